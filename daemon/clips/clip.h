@@ -11,10 +11,17 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace sslv {
+
+/// A file or memory that is no clip, or a damaged one: one line; of a file it begins with the path.
+struct ClipError : std::runtime_error {
+  using runtime_error::runtime_error;
+};
 
 /// What a camera's frames were processed with, from one frame to the next change.
 struct ClipSetup {
@@ -30,12 +37,7 @@ struct ClipSetup {
 struct ClipFrame {
   FrameInfo info{};         // arrived_ns is 0 when it was read from a clip
   std::uint32_t setup = 0;  // place in the clip's list of setups
-  ImageView image{};        // empty while only the rest was read
-  /// Where the image is only known in parts: side of the square tiles in px, and which of them are shown as
-  /// they were, row by row, a bit each, the lowest first. The rest of `image` is from an earlier whole one.
-  /// 0: all of it is.
-  int tile_px = 0;
-  std::span<const std::byte> tiles{};
+  ImageView image{};        // empty: it has none
   /// The packet that was sent, SSL_WrapperPacket; empty: none was.
   std::span<const std::byte> packet{};
   /// What the stages remembered before this frame (Pipeline::save()); empty: it was not kept.
@@ -49,10 +51,14 @@ struct ClipEvent {
   std::string text{};  // for people
 };
 
+/// ClipAbout::kind of clips that somebody asked for, and of those that a crash left.
+inline constexpr std::string_view kKeptClip = "kept", kCrashClip = "crash";
+
 /// What a clip says about itself.
 struct ClipAbout {
   std::string site{};             // name of the field
   std::string version{};          // of the service that wrote it
+  std::string kind{};             // what it was made for: "kept", "alert", "goal", "command", "crash"
   std::string why{};              // for people: "kept by hand", an alert's title
   double begin_s = 0, end_s = 0;  // Unix time that was asked for; frames may lack at either end
 };

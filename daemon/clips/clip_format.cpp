@@ -129,18 +129,15 @@ std::array<std::byte, kClipFrameBytes> encoded(const ClipFrameHead& head) {
   put_u32(out, 52, static_cast<std::uint32_t>(whole.height));
   put_u32(out, 56, static_cast<std::uint32_t>(whole.x));
   put_u32(out, 60, static_cast<std::uint32_t>(whole.y));
-  put_u32(out, 64, static_cast<std::uint32_t>(head.tile_px));
   put_u64(out, 72, head.packet_bytes);
   put_u64(out, 80, head.memory_bytes);
-  put_u64(out, 88, head.tiles_bytes);
   put_u64(out, 96, head.image_bytes);
-  put_u64(out, 104, head.base);
   put_u32(out, 124, clip_sum(std::span(out).first(124)));
   return out;
 }
 
 std::optional<ClipFrameHead> frame_head_of(std::span<const std::byte, kClipFrameBytes> bytes,
-                                           std::uint64_t payload_bytes, std::uint64_t place) {
+                                           std::uint64_t payload_bytes) {
   if (u32_at(bytes, 124) != clip_sum(bytes.first(124))) return std::nullopt;
   ClipFrameHead head;
   head.info.number = u32_at(bytes, 0);
@@ -171,34 +168,72 @@ std::optional<ClipFrameHead> frame_head_of(std::span<const std::byte, kClipFrame
   for (const int number : {whole.width, whole.height, whole.x, whole.y}) {
     if (number < 0 || number > kMaxSide) return std::nullopt;
   }
-  head.tile_px = i32_at(bytes, 64);
   head.packet_bytes = u64_at(bytes, 72);
   head.memory_bytes = u64_at(bytes, 80);
-  head.tiles_bytes = u64_at(bytes, 88);
   head.image_bytes = u64_at(bytes, 96);
-  head.base = u64_at(bytes, 104);
+  // With squares of so many pixels a map of bits says which of them are there.
+  const int square_px = i32_at(bytes, 64);
+  const std::uint64_t map_bytes = u64_at(bytes, 88);
+  head.is_in_parts = square_px != 0;
 
   std::uint64_t rest = payload_bytes;
-  for (const std::uint64_t part : {std::uint64_t{kClipFrameBytes}, head.packet_bytes, head.memory_bytes,
-                                   head.tiles_bytes, head.image_bytes}) {
+  for (const std::uint64_t part :
+       {std::uint64_t{kClipFrameBytes}, head.packet_bytes, head.memory_bytes, map_bytes, head.image_bytes}) {
     if (part > rest) return std::nullopt;
     rest -= part;
   }
   if (rest != 0) return std::nullopt;
   if (head.packet_bytes > kMaxClipPacketBytes || head.memory_bytes > kMaxClipMemoryBytes) return std::nullopt;
-  const bool has_image = head.width != 0 || head.height != 0;
-  if (has_image && !is_valid_size(head.format, head.width, head.height)) return std::nullopt;
-  const std::uint64_t most_image_bytes =
-      has_image ? clip_plane_bytes(head.format, head.width, head.height) * (head.is_deep ? 2 : 1) : 0;
-  if (most_image_bytes > kMaxClipImageBytes) return std::nullopt;
-  if (head.tile_px == 0)
-    return head.image_bytes == most_image_bytes && head.tiles_bytes == 0 ? std::optional(head) : std::nullopt;
-  constexpr int kMaxTile = 16384;
-  if (!has_image || head.tile_px < 0 || head.tile_px > kMaxTile) return std::nullopt;
-  const ClipTiles tiles{head.width, head.height, head.tile_px};
-  if (head.tiles_bytes != tiles.map_bytes() || head.image_bytes > most_image_bytes) return std::nullopt;
-  if (head.base >= place) return std::nullopt;
-  return head;
+  const bool has_size = head.width != 0 || head.height != 0;
+  if (has_size && !is_valid_size(head.format, head.width, head.height)) return std::nullopt;
+  const std::uint64_t whole_bytes =
+      has_size ? clip_plane_bytes(head.format, head.width, head.height) * (head.is_deep ? 2 : 1) : 0;
+  if (whole_bytes > kMaxClipImageBytes) return std::nullopt;
+  constexpr std::uint64_t kMaxMapBytes = 1 << 16;
+  if (head.is_in_parts)
+    return map_bytes <= kMaxMapBytes && head.image_bytes <= whole_bytes ? std::optional(head) : std::nullopt;
+  return map_bytes == 0 && head.image_bytes == whole_bytes ? std::optional(head) : std::nullopt;
+}
+
+ClipFrame frame_of(const ClipFrameHead& head, std::uint32_t camera_id, std::span<const std::byte> rest,
+                   const std::uint8_t* pixels) {
+  ClipFrame out{.info = head.info, .setup = head.setup};
+  out.info.camera_id = camera_id;
+  out.packet = rest.first(static_cast<std::size_t>(head.packet_bytes));
+  out.memory = rest.subspan(out.packet.size(), static_cast<std::size_t>(head.memory_bytes));
+  if (pixels == nullptr) return out;
+  const auto plane_bytes =
+      static_cast<std::ptrdiff_t>(clip_plane_bytes(head.format, head.width, head.height));
+  out.image = {.data = pixels,
+               .width = head.width,
+               .height = head.height,
+               .stride_bytes = plane_bytes / head.height,
+               .format = head.format,
+               .to_low_bits = head.is_deep ? plane_bytes : 0};
+  return out;
+}
+
+std::optional<ClipSetupParts> setup_in(std::span<const std::byte> payload) {
+  if (payload.size() < kClipSetupBytes) return std::nullopt;
+  const std::uint64_t json_bytes = u64_at(payload, 8);
+  const auto rest = payload.subspan(kClipSetupBytes);
+  if (json_bytes > rest.size() || json_bytes > kMaxClipJsonBytes ||
+      rest.size() - json_bytes > kMaxClipTableBytes)
+    return std::nullopt;
+  const auto json = rest.first(static_cast<std::size_t>(json_bytes));
+  return ClipSetupParts{u32_at(payload, 0), json, rest.subspan(json.size())};
+}
+
+std::array<std::byte, kClipSetupBytes> setup_head(std::uint32_t number, std::size_t json_bytes) {
+  std::array<std::byte, kClipSetupBytes> out{};
+  put_u32(out, 0, number);
+  put_u64(out, 8, json_bytes);
+  return out;
+}
+
+std::int64_t clip_ns(double time_s) {
+  constexpr double kMost_ns = 9.2e18;
+  return std::isfinite(time_s) ? static_cast<std::int64_t>(std::clamp(time_s * 1e9, -kMost_ns, kMost_ns)) : 0;
 }
 
 std::array<std::byte, kClipIndexBytes> encoded(const ClipIndexLine& line) {

@@ -28,19 +28,19 @@ inline constexpr std::size_t kClipIndexBytes = 40;    // of each block that the 
 inline constexpr std::size_t kClipTrailerBytes = 16;  // at the end of the file
 inline constexpr std::string_view kClipTrailerMagic = "SSL_CEND";
 
-/// JSON values take more memory than their text, so there is a limit for that of a block and for all of a
-/// clip.
-inline constexpr std::size_t kMaxClipJsonBytes = std::size_t{4} << 20U;
-inline constexpr std::size_t kMaxClipJsonBytesInAll = std::size_t{64} << 20U;
-
-/// Files may be sparse: what they say of sizes costs their authors nothing, so there are limits beside the
-/// file's own size. Tables of 8 bits a colour have 16 MiB; the largest image of any camera has less.
+/// Files may be sparse: what they say of sizes costs their authors nothing. With these limits, for writers as
+/// for readers, no file takes more than 64 MB of memory to be opened and looked at.
+inline constexpr std::uint64_t kMaxClipBlocks = 1 << 18;  // four cameras at 75 Hz for 14 minutes
+inline constexpr std::size_t kMaxClipCameras = 256;
 inline constexpr std::size_t kMaxClipSetups = 16384;
-inline constexpr std::size_t kMaxClipTableBytes = std::size_t{20} << 20U;
-inline constexpr std::size_t kMaxClipTableBytesInAll = std::size_t{256} << 20U;
-inline constexpr std::size_t kMaxClipPacketBytes = 65'507;  // the largest datagram
+inline constexpr std::size_t kMaxClipEvents = 16384;
+/// Of a block's JSON, whose values take up to twenty times the memory of their text; of all events together.
+inline constexpr std::size_t kMaxClipJsonBytes = std::size_t{1} << 20U;
+inline constexpr std::size_t kMaxClipEventBytesInAll = std::size_t{4} << 20U;
+inline constexpr std::size_t kMaxClipTableBytes = std::size_t{20} << 20U;  // 8 bits a colour: 16 MiB
+inline constexpr std::size_t kMaxClipPacketBytes = 65'507;                 // the largest datagram
 inline constexpr std::size_t kMaxClipMemoryBytes = std::size_t{1} << 20U;
-inline constexpr std::size_t kMaxClipImageBytes = std::size_t{128} << 20U;
+inline constexpr std::size_t kMaxClipImageBytes = std::size_t{48} << 20U;  // 25 megapixels of 2 bytes
 
 enum class ClipBlock : std::uint32_t { kAbout = 1, kSetup, kFrame, kEvent, kMissing, kIndex };
 
@@ -52,16 +52,24 @@ struct ClipBlockHead {
   std::uint32_t sum = 0;     // CRC-32 of the payload
 };
 
-/// A frame's payload begins with this; then come packet, memory, tiles and image.
+/// A frame's payload begins with this; then come packet, memory and image.
 struct ClipFrameHead {
   FrameInfo info{};         // all but the camera's id, which the block has, and arrived_ns
   std::uint32_t setup = 0;  // number
   PixelFormat format = PixelFormat::kMono8;
   int width = 0, height = 0;  // px; 0: without an image
   bool is_deep = false;       // low bits follow the pixels
-  int tile_px = 0;            // 0: the whole image is there
-  std::uint64_t packet_bytes = 0, memory_bytes = 0, tiles_bytes = 0, image_bytes = 0;
-  std::uint64_t base = 0;  // with tiles: place in the file of the block with the whole image before
+  std::uint64_t packet_bytes = 0, memory_bytes = 0, image_bytes = 0;
+  /// Earlier versions could keep only parts of an image. They are passed over: such a frame has no image.
+  bool is_in_parts = false;
+
+  bool has_image() const { return width != 0 && !is_in_parts; }
+};
+
+/// What a setup's payload holds.
+struct ClipSetupParts {
+  std::uint32_t number = 0;
+  std::span<const std::byte> json, table;
 };
 
 /// What the index says of a block.
@@ -85,10 +93,18 @@ std::array<std::byte, kClipTrailerBytes> clip_trailer(std::uint64_t index_place)
 
 /// None where the bytes are damaged.
 std::optional<ClipBlockHead> block_head_of(std::span<const std::byte, kClipBlockBytes> bytes);
-/// None where the bytes are damaged, or cannot be a payload of `payload_bytes` at `place`; then all sizes
-/// in it fit each other.
+/// None where the bytes are damaged, or cannot be a payload of `payload_bytes`; then all sizes in it fit each
+/// other.
 std::optional<ClipFrameHead> frame_head_of(std::span<const std::byte, kClipFrameBytes> bytes,
-                                           std::uint64_t payload_bytes, std::uint64_t place);
+                                           std::uint64_t payload_bytes);
+/// The frame of a head. `rest`: what follows it in the payload, at least packet and memory; `pixels`: its
+/// image, null where it has none. All in the frame lies there.
+ClipFrame frame_of(const ClipFrameHead& head, std::uint32_t camera_id, std::span<const std::byte> rest,
+                   const std::uint8_t* pixels);
+/// None where the sizes do not fit each other, or are beyond the limits.
+std::optional<ClipSetupParts> setup_in(std::span<const std::byte> payload);
+/// What stands before JSON and table in a setup's payload.
+std::array<std::byte, kClipSetupBytes> setup_head(std::uint32_t number, std::size_t json_bytes);
 ClipIndexLine index_line_of(std::span<const std::byte, kClipIndexBytes> bytes);
 /// Place of the index; none: this is no trailer.
 std::optional<std::uint64_t> index_place_of(std::span<const std::byte, kClipTrailerBytes> trailer);
@@ -115,38 +131,12 @@ constexpr std::size_t clip_plane_bytes(PixelFormat format, int width, int height
   return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
          static_cast<std::size_t>(bytes_per_pixel(format));
 }
-
-/// Square tiles over an image; those at the right and the lower edge may be smaller.
-struct ClipTiles {
-  int width = 0, height = 0;  // px of the image
-  int tile_px = 1;
-
-  int columns() const { return (width + tile_px - 1) / tile_px; }
-  int rows() const { return (height + tile_px - 1) / tile_px; }
-  /// Of the map with a bit for each.
-  std::size_t map_bytes() const {
-    return (static_cast<std::size_t>(columns()) * static_cast<std::size_t>(rows()) + 7) / 8;
-  }
-  /// Calls `row(x, y, pixels)` for each row of pixels of each marked tile, in the order of the file.
-  /// `map` has map_bytes().
-  template <class Row>
-  void each_row(std::span<const std::byte> map, const Row& row) const {
-    std::size_t tile = 0;
-    for (int top = 0; top < height; top += tile_px) {
-      const int bottom = top + (tile_px < height - top ? tile_px : height - top);
-      for (int left = 0; left < width; left += tile_px, ++tile) {
-        if ((std::to_integer<unsigned>(map[tile / 8]) >> tile % 8 & 1U) == 0) continue;
-        const int pixels = tile_px < width - left ? tile_px : width - left;
-        for (int y = top; y < bottom; ++y) row(left, y, pixels);
-      }
-    }
-  }
-  /// Of the marked tiles.
-  std::uint64_t pixels(std::span<const std::byte> map) const {
-    std::uint64_t count = 0;
-    each_row(map, [&](int, int, int row_pixels) { count += static_cast<std::uint64_t>(row_pixels); });
-    return count;
-  }
-};
+/// Of all planes of a frame's image.
+inline std::size_t clip_image_bytes(const ImageView& image) {
+  if (image.empty()) return 0;
+  return clip_plane_bytes(image.format, image.width, image.height) * (image.to_low_bits != 0 ? 2 : 1);
+}
+/// On the clock of block heads; 0 where it is no time.
+std::int64_t clip_ns(double time_s);
 
 }  // namespace sslv

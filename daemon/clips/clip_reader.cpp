@@ -12,6 +12,7 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -37,43 +38,18 @@ double number_in(const Json& json, const char* key) {
   return found != json.end() && found->is_number() ? found->get<double>() : 0;
 }
 
-/// A block of which only its size is known: nothing is read of it.
-struct BlockPlace {
-  std::uint64_t place = 0, bytes = 0;
-};
+/// What clips of crashes said of themselves before ClipAbout::kind was written; nobody else could say it.
+constexpr std::string_view kWhyOfOldCrashClips = "the service crashed";
 
-/// A whole image that others are put onto.
-struct BaseImage {
-  std::uint64_t place = 0;
-  ClipFrameHead head;
-  std::vector<std::uint8_t> pixels{};
-};
-
-bool is_same_layout(const ClipFrameHead& a, const ClipFrameHead& b) {
-  return a.width == b.width && a.height == b.height && a.format == b.format && a.is_deep == b.is_deep;
-}
-
-std::size_t image_bytes_of(const ClipFrameHead& head) {
-  if (head.width == 0) return 0;
-  return clip_plane_bytes(head.format, head.width, head.height) * (head.is_deep ? 2 : 1);
-}
-
-/// Puts the pixels of the marked tiles where they belong.
-void put_tiles(const ClipFrameHead& head, std::span<const std::byte> map, std::span<const std::byte> pixels,
-               std::uint8_t* image) {
-  const ClipTiles grid{head.width, head.height, head.tile_px};
-  const auto pixel_bytes = static_cast<std::size_t>(bytes_per_pixel(head.format));
-  const std::size_t row_bytes = clip_plane_bytes(head.format, head.width, 1);
-  const std::byte* from = pixels.data();
-  for (int plane = 0; plane < (head.is_deep ? 2 : 1); ++plane) {
-    grid.each_row(map, [&](int x, int y, int count) {
-      const std::size_t bytes = static_cast<std::size_t>(count) * pixel_bytes;
-      std::memcpy(image + static_cast<std::size_t>(y) * row_bytes + static_cast<std::size_t>(x) * pixel_bytes,
-                  from, bytes);
-      from += bytes;
-    });
-    image += clip_plane_bytes(head.format, head.width, head.height);
+/// Null where it is none.
+Json json_in(std::span<const std::byte> text) {
+  if (text.size() > kMaxClipJsonBytes) return nullptr;
+  try {
+    return parse_bounded_json({reinterpret_cast<const char*>(text.data()), text.size()});
+  } catch (const Json::exception&) {
+  } catch (const std::length_error&) {
   }
+  return nullptr;
 }
 
 }  // namespace
@@ -175,44 +151,64 @@ struct ClipReader::File {
         head->bytes % kClipIndexBytes != 0 || !is_inside(*place, head->bytes, end) ||
         *place + clip_block_bytes(head->bytes) != end)
       return false;
-    std::vector<std::byte> lines(static_cast<std::size_t>(head->bytes));
-    read_at(*place + kClipBlockBytes, lines);
-    if (clip_sum(lines) != head->sum) return false;
-
+    const std::uint64_t lines = head->bytes / kClipIndexBytes;
+    if (lines > kMaxClipBlocks)
+      refuse(fmt::format("has an index of {} blocks; a clip has at most {}", lines, kMaxClipBlocks));
+    bool fits = true;
     std::uint64_t free = kClipHeadBytes;  // the blocks before end here
-    for (std::size_t i = 0; i < lines.size(); i += kClipIndexBytes) {
-      const ClipIndexLine line =
-          index_line_of(std::span<const std::byte, kClipIndexBytes>(&lines[i], kClipIndexBytes));
-      if (line.place < free || line.place % 8 != 0 || !is_inside(line.place, line.bytes, *place))
-        return false;
-      if (line.type == static_cast<std::uint32_t>(ClipBlock::kFrame) &&
-          (line.bytes < kClipFrameBytes || !std::isfinite(line.t_capture_s)))
-        return false;
-      free = line.place + clip_block_bytes(line.bytes);
-    }
-    for (std::size_t i = 0; i < lines.size(); i += kClipIndexBytes) {
-      const ClipIndexLine line =
-          index_line_of(std::span<const std::byte, kClipIndexBytes>(&lines[i], kClipIndexBytes));
-      if (line.type == static_cast<std::uint32_t>(ClipBlock::kFrame)) {
-        found.push_back({{.camera_id = line.camera_id,
-                          .number = line.number,
-                          .t_capture_s = line.t_capture_s,
-                          .has_memory = line.has_memory,
-                          .is_whole = line.is_whole},
-                         {line.place, line.bytes}});
-        continue;
-      }
-      if (line.type == static_cast<std::uint32_t>(ClipBlock::kSetup) && line.number < most_setups(line.place))
-        setups_used = std::max<std::size_t>(setups_used, std::size_t{line.number} + 1);
-      read_at(line.place, bytes);
-      const auto block = block_head_of(bytes);
-      if (!block || block->type != line.type || block->camera_id != line.camera_id ||
-          block->bytes != line.bytes)
-        note(fmt::format("the block at byte {} is damaged", line.place));
-      else
-        take(*block, line.place);
-    }
+    std::size_t frames = 0;
+    const std::uint32_t sum = each_index_line(*place, lines, [&](const ClipIndexLine& line) {
+      fits = fits && line.place >= free && line.place % 8 == 0 && is_inside(line.place, line.bytes, *place);
+      const bool is_frame = line.type == static_cast<std::uint32_t>(ClipBlock::kFrame);
+      fits = fits && (!is_frame || (line.bytes >= kClipFrameBytes && std::isfinite(line.t_capture_s)));
+      frames += is_frame;
+      if (fits) free = line.place + clip_block_bytes(line.bytes);
+    });
+    if (sum != head->sum || !fits) return false;
+    entries.reserve(frames);
+    each_index_line(*place, lines, [&](const ClipIndexLine& line) { take_line(line); });
     return true;
+  }
+
+  /// Calls use(line) for each; the checksum of all.
+  template <class Use>
+  std::uint32_t each_index_line(std::uint64_t index, std::uint64_t lines, const Use& use) const {
+    std::vector<std::byte> some(1024 * kClipIndexBytes);
+    std::uint32_t sum = 0;
+    for (std::uint64_t at = index + kClipBlockBytes; lines > 0;) {
+      const std::uint64_t count = std::min<std::uint64_t>(lines, 1024);
+      const auto part = std::span(some).first(static_cast<std::size_t>(count) * kClipIndexBytes);
+      read_at(at, part);
+      sum = clip_sum(part, sum);
+      for (std::size_t i = 0; i < part.size(); i += kClipIndexBytes)
+        use(index_line_of(std::span<const std::byte, kClipIndexBytes>(&part[i], kClipIndexBytes)));
+      at += part.size();
+      lines -= count;
+    }
+    return sum;
+  }
+
+  void take_line(const ClipIndexLine& line) {
+    if (line.type == static_cast<std::uint32_t>(ClipBlock::kFrame)) {
+      add_entry({.camera_id = line.camera_id,
+                 .number = line.number,
+                 .t_capture_s = line.t_capture_s,
+                 .has_memory = line.has_memory,
+                 .is_whole = line.is_whole,
+                 .place = line.place,
+                 .bytes = line.bytes});
+      return;
+    }
+    // What frames were processed with may be damaged; the frames are there all the same.
+    if (line.type == static_cast<std::uint32_t>(ClipBlock::kSetup)) note_setup(line.number, line.place);
+    std::array<std::byte, kClipBlockBytes> bytes{};
+    read_at(line.place, bytes);
+    const auto block = block_head_of(bytes);
+    if (!block || block->type != line.type || block->camera_id != line.camera_id ||
+        block->bytes != line.bytes)
+      note(fmt::format("the block at byte {} is damaged", line.place));
+    else
+      take(*block, line.place);
   }
 
   /// From block to block, as far as they can be read.
@@ -228,22 +224,33 @@ struct ClipReader::File {
       if (head->type != static_cast<std::uint32_t>(ClipBlock::kFrame)) {
         take(*head, place);
       } else if (const auto frame_head =
-                     frame_head_of(std::span(bytes).last<kClipFrameBytes>(), head->bytes, place)) {
-        found.push_back({entry_of(*head, *frame_head), {place, head->bytes}});
-        // What it was processed with may be damaged; the frame is there all the same.
-        if (frame_head->setup < most_setups(place))
-          setups_used = std::max<std::size_t>(setups_used, std::size_t{frame_head->setup} + 1);
+                     frame_head_of(std::span(bytes).last<kClipFrameBytes>(), head->bytes)) {
+        add_entry(entry_of(*head, *frame_head, place));
+        note_setup(frame_head->setup, place);
       }
       place += clip_block_bytes(head->bytes);
     }
   }
 
-  static Entry entry_of(const ClipBlockHead& block, const ClipFrameHead& head) {
+  static Entry entry_of(const ClipBlockHead& block, const ClipFrameHead& head, std::uint64_t place) {
     return {.camera_id = block.camera_id,
             .number = head.info.number,
             .t_capture_s = head.info.times.t_capture_s,
             .has_memory = head.memory_bytes > 0,
-            .is_whole = head.tile_px == 0 && head.width > 0};
+            .is_whole = head.has_image(),
+            .place = place,
+            .bytes = block.bytes};
+  }
+
+  void add_entry(const Entry& entry) {
+    if (entries.size() < kMaxClipBlocks && knows_camera(entry.camera_id)) return entries.push_back(entry);
+    note(fmt::format("has more than {} frames or {} cameras; the rest is left out", kMaxClipBlocks,
+                     kMaxClipCameras));
+  }
+  bool knows_camera(std::uint32_t id) {
+    if (!missing.contains(id) && missing.size() >= kMaxClipCameras) return false;
+    missing.try_emplace(id, 0);
+    return true;
   }
 
   /// A block that is no frame. What is damaged is left out; what is not known, too.
@@ -252,98 +259,112 @@ struct ClipReader::File {
     if (type != ClipBlock::kAbout && type != ClipBlock::kSetup && type != ClipBlock::kEvent &&
         type != ClipBlock::kMissing)
       return;
-    const std::size_t most = kMaxClipJsonBytes + (type == ClipBlock::kSetup ? kMaxClipTableBytes : 0);
-    if (head.bytes > most || !take_known(type, head, place))
-      note(fmt::format("the block at byte {} is damaged", place));
+    const bool is_good = type == ClipBlock::kSetup ? take_setup(head, place) : take_known(type, head, place);
+    if (!is_good) note(fmt::format("the block at byte {} is damaged", place));
   }
 
   bool take_known(ClipBlock type, const ClipBlockHead& head, std::uint64_t place) {
-    std::vector<std::byte> payload(static_cast<std::size_t>(head.bytes));
-    read_at(place + kClipBlockBytes, payload);
-    if (clip_sum(payload) != head.sum) return false;
-    if (type == ClipBlock::kMissing) {
-      if (payload.size() < kClipMissingBytes) return false;
+    const bool is_missing = type == ClipBlock::kMissing, is_event = type == ClipBlock::kEvent;
+    if (is_missing) {
+      if (head.bytes != kClipMissingBytes) return false;
+    } else {
+      if (head.bytes > std::min(kMaxClipJsonBytes, json_left)) return false;
+      if (is_event ? events.size() >= kMaxClipEvents : has_about) return false;
+      json_left -= static_cast<std::size_t>(head.bytes);  // damaged or not: many cost time
+    }
+    const auto payload = read_payload(head, place);
+    if (!payload) return false;
+    if (is_missing) {
+      if (!knows_camera(head.camera_id)) return false;
       std::uint64_t& sum = missing[head.camera_id];
-      sum += std::min(u64_at(payload, 0), std::numeric_limits<std::uint64_t>::max() - sum);
+      sum += std::min(u64_at(*payload, 0), std::numeric_limits<std::uint64_t>::max() - sum);
       return true;
     }
-    if (type == ClipBlock::kSetup) return take_setup(head, place, payload);
-    const Json json = json_in(payload);
+    const Json json = json_in(*payload);
     if (!json.is_object()) return false;
-    if (type == ClipBlock::kEvent) {
+    if (is_event) {
       events.push_back({number_in(json, "time_s"), text_in(json, "kind"), text_in(json, "text")});
       return true;
     }
     about = {.site = text_in(json, "site"),
              .version = text_in(json, "version"),
+             .kind = text_in(json, "kind"),
              .why = text_in(json, "why"),
              .begin_s = number_in(json, "begin_s"),
              .end_s = number_in(json, "end_s")};
+    if (!json.contains("kind") && about.why == kWhyOfOldCrashClips) about.kind = kCrashClip;
     has_about = true;
     return true;
   }
 
-  bool take_setup(const ClipBlockHead& head, std::uint64_t place, std::span<const std::byte> payload) {
-    if (payload.size() < kClipSetupBytes || head.camera_id > INT_MAX) return false;
-    const std::uint32_t number = u32_at(payload, 0);
-    const std::uint64_t text_bytes = u64_at(payload, 8);
-    payload = payload.subspan(kClipSetupBytes);
-    if (number >= most_setups(place) || text_bytes > payload.size()) return false;
-    const auto text = payload.first(static_cast<std::size_t>(text_bytes));
-    Json json = json_in(text);
-    if (!json.is_object()) return false;
-    const auto table = payload.subspan(text.size());
-    if (table.size() > kMaxClipTableBytes || table.size() > kMaxClipTableBytesInAll - table_bytes)
+  /// None where it is damaged. The caller knows that its size is within the limits.
+  std::optional<std::vector<std::byte>> read_payload(const ClipBlockHead& head, std::uint64_t place) const {
+    std::vector<std::byte> payload(static_cast<std::size_t>(head.bytes));
+    read_at(place + kClipBlockBytes, payload);
+    if (clip_sum(payload) != head.sum) return std::nullopt;
+    return payload;
+  }
+
+  /// Only where it is: its table may be large, and few are wanted.
+  bool take_setup(const ClipBlockHead& head, std::uint64_t place) {
+    if (head.bytes < kClipSetupBytes ||
+        head.bytes > kClipSetupBytes + kMaxClipJsonBytes + kMaxClipTableBytes || head.camera_id > INT_MAX)
       return false;
-    table_bytes += table.size();
-    reserve_setups(std::size_t{number} + 1);
-    setups[number] = {static_cast<int>(head.camera_id), std::move(json), {table.begin(), table.end()}};
+    std::array<std::byte, kClipSetupBytes> bytes{};
+    read_at(place + kClipBlockBytes, bytes);
+    const std::uint32_t number = u32_at(bytes, 0);
+    if (!note_setup(number, place)) return false;
+    setups[number] = place;
     return true;
   }
 
-  /// More cannot have been written before `place` and by the block there, so that a number that lies costs no
-  /// more memory than the file has.
-  static constexpr std::uint64_t most_setups(std::uint64_t place) {
-    return std::min<std::uint64_t>(place / (kClipBlockBytes + kClipSetupBytes) + 1, kMaxClipSetups);
-  }
-  void reserve_setups(std::size_t count) {
-    while (setups.size() < count) setups.push_back({.camera_id = 0, .about = nullptr});
+  /// More cannot have been written before `place` and by the block there. False: it cannot be.
+  bool note_setup(std::uint32_t number, std::uint64_t place) {
+    if (number >= std::min<std::uint64_t>(place / (kClipBlockBytes + kClipSetupBytes) + 1, kMaxClipSetups))
+      return false;
+    if (setups.size() <= number) setups.resize(std::size_t{number} + 1);
+    return true;
   }
 
-  /// Null where it is none, or too much.
-  Json json_in(std::span<const std::byte> payload) {
-    if (payload.size() > kMaxClipJsonBytes || payload.size() > kMaxClipJsonBytesInAll - json_bytes)
-      return nullptr;
-    json_bytes += payload.size();
-    try {
-      return parse_bounded_json({reinterpret_cast<const char*>(payload.data()), payload.size()});
-    } catch (const Json::exception&) {
-    } catch (const std::length_error&) {
-    }
-    return nullptr;
+  ClipSetup setup(std::size_t number) const {
+    const ClipSetup none{.about = nullptr};
+    if (number >= setups.size() || setups[number] == 0) return none;
+    std::array<std::byte, kClipBlockBytes> bytes{};
+    read_at(setups[number], bytes);
+    const auto head = block_head_of(bytes);
+    if (!head || head->type != static_cast<std::uint32_t>(ClipBlock::kSetup) ||
+        head->bytes > kClipSetupBytes + kMaxClipJsonBytes + kMaxClipTableBytes || head->camera_id > INT_MAX)
+      return none;
+    auto payload = read_payload(*head, setups[number]);
+    const auto parts = payload ? setup_in(*payload) : std::nullopt;
+    if (!parts || parts->number != number) return none;
+    Json json = json_in(parts->json);
+    if (!json.is_object()) return none;
+    // The table stays where it is: twice would be much memory.
+    payload->erase(payload->begin(), payload->end() - static_cast<std::ptrdiff_t>(parts->table.size()));
+    return {static_cast<int>(head->camera_id), std::move(json), *std::move(payload)};
   }
 
   void put_in_order() {
-    reserve_setups(setups_used);
     // A camera's frames stay as they were processed, also where the clock was set back meanwhile.
     std::map<std::uint32_t, double> latest_s;
-    std::vector<std::pair<double, std::size_t>> order;
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      const Entry& entry = found[i].first;
+    std::vector<std::pair<double, std::uint32_t>> order;
+    order.reserve(entries.size());
+    for (const Entry& entry : entries) {
       double& latest = latest_s.emplace(entry.camera_id, entry.t_capture_s).first->second;
       latest = std::max(latest, entry.t_capture_s);
-      order.emplace_back(latest, i);
+      order.emplace_back(latest, static_cast<std::uint32_t>(order.size()));
     }
     std::ranges::stable_sort(order, {}, [](const auto& one) { return one.first; });
     std::map<std::uint32_t, Camera> by_id;
     for (const auto& [id, count] : missing) by_id[id].missing = count;
+    std::vector<Entry> sorted;
+    sorted.reserve(entries.size());
     for (const auto& [time_s, i] : order) {
-      const auto& [entry, place] = found[i];
-      by_id[entry.camera_id].frames.push_back(entries.size());
-      entries.push_back(entry);
-      places.push_back(place);
+      by_id[entries[i].camera_id].frames.push_back(sorted.size());
+      sorted.push_back(entries[i]);
     }
-    found = {};
+    entries = std::move(sorted);
     for (auto& [id, camera] : by_id) {
       camera.id = id;
       cameras.push_back(std::move(camera));
@@ -351,137 +372,42 @@ struct ClipReader::File {
     std::ranges::stable_sort(events, {}, &ClipEvent::time_s);
   }
 
-  /// A frame's block as it lies in the file: its image, or the pixels of its tiles, is in `pixels`.
-  struct Loaded {
-    ClipBlockHead block;
-    ClipFrameHead head;
-    std::span<const std::byte> packet{}, memory{}, tiles{}, tile_pixels{};
-    std::uint8_t* image = nullptr;  // of a whole one
-  };
-
-  /// None where it is damaged. `rest` holds all but a whole image, which is read into `room`'s memory.
-  std::optional<Loaded> load(const BlockPlace& at, std::vector<std::byte>& rest, const Room& room) const {
-    std::array<std::byte, kHeadsBytes> heads{};
-    read_at(at.place, heads);
-    const auto block = block_head_of(std::span(heads).first<kClipBlockBytes>());
-    if (!block || block->type != static_cast<std::uint32_t>(ClipBlock::kFrame) || block->bytes != at.bytes)
-      return std::nullopt;
-    const auto head = frame_head_of(std::span(heads).last<kClipFrameBytes>(), block->bytes, at.place);
-    if (!head) return std::nullopt;
-    Loaded out{.block = *block, .head = *head};
-    const bool is_whole = head->tile_px == 0;
-    const auto image_bytes = static_cast<std::size_t>(head->image_bytes);
-    rest.resize(static_cast<std::size_t>(block->bytes) - kClipFrameBytes - (is_whole ? image_bytes : 0));
-    std::span<std::byte> pixels;
-    if (is_whole && image_bytes > 0) {
-      out.image = room(image_bytes);
-      if (out.image == nullptr) refuse("there is no memory for an image");
-      pixels = std::as_writable_bytes(std::span(out.image, image_bytes));
-    }
-    read_at(at.place + kHeadsBytes, rest, pixels);
-    std::uint32_t sum = clip_sum(std::span(heads).last<kClipFrameBytes>());
-    sum = clip_sum(rest, sum);
-    if (clip_sum(pixels, sum) != block->sum) return std::nullopt;
-    std::span<const std::byte> left = rest;
-    const auto cut = [&](std::uint64_t bytes) {
-      const auto part = left.first(static_cast<std::size_t>(bytes));
-      left = left.subspan(part.size());
-      return part;
-    };
-    out.packet = cut(head->packet_bytes);
-    out.memory = cut(head->memory_bytes);
-    out.tiles = cut(head->tiles_bytes);
-    out.tile_pixels = left;
-    return out;
-  }
-
-  /// The whole image that `parts` lie on; null where there is none that fits.
-  const BaseImage* base_of(const Loaded& parts) {
-    if (!bases.contains(parts.block.camera_id)) {
-      constexpr std::size_t kMostBytes = std::size_t{256} << 20U;  // eight large cameras'
-      std::size_t bytes = image_bytes_of(parts.head);
-      for (const auto& [id, base] : bases) bytes += base.pixels.size();
-      if (bytes > kMostBytes) bases.clear();
-    }
-    BaseImage& base = bases[parts.block.camera_id];
-    if (base.place != parts.head.base || base.place == 0) {
-      base.place = 0;
-      const std::uint64_t place = parts.head.base;
-      if (!is_inside(place, kClipFrameBytes, size)) return nullptr;
-      std::array<std::byte, kClipBlockBytes> bytes{};
-      read_at(place, bytes);
-      const auto block = block_head_of(bytes);
-      if (!block || block->camera_id != parts.block.camera_id || block->bytes < kClipFrameBytes ||
-          !is_inside(place, block->bytes, size))
-        return nullptr;
-      std::vector<std::byte> rest;
-      const auto loaded = load({place, block->bytes}, rest, [&](std::size_t image_bytes) {
-        base.pixels.resize(image_bytes);
-        return base.pixels.data();
-      });
-      if (!loaded || loaded->image == nullptr) return nullptr;
-      base.head = loaded->head;
-      base.place = place;
-    }
-    return is_same_layout(base.head, parts.head) ? &base : nullptr;
-  }
-
   /// Why the frame cannot be given; empty: it is in `frame`.
-  const char* read_into_frame(std::size_t place, const Room& room) {
-    const Room own_or_room = [&](std::size_t bytes) -> std::uint8_t* {
-      if (room) return room(bytes);
-      image.resize(bytes);
-      return image.data();
-    };
-    const Entry& entry = entries[place];
-    const auto loaded = load(places[place], frame_bytes, own_or_room);
-    if (!loaded) return "is damaged";
-    const ClipFrameHead& head = loaded->head;
-    const Entry there = entry_of(loaded->block, head);
+  const char* read_into_frame(const Entry& entry, const Room& room) {
+    std::array<std::byte, kHeadsBytes> heads{};
+    read_at(entry.place, heads);
+    const auto block = block_head_of(std::span(heads).first<kClipBlockBytes>());
+    if (!block || block->type != static_cast<std::uint32_t>(ClipBlock::kFrame) || block->bytes != entry.bytes)
+      return "is damaged";
+    const auto frame_head = std::span(heads).last<kClipFrameBytes>();
+    const auto head = frame_head_of(frame_head, block->bytes);
+    if (!head) return "is damaged";
+    const Entry there = entry_of(*block, *head, entry.place);
+    const std::size_t image_bytes = head->has_image() ? static_cast<std::size_t>(head->image_bytes) : 0;
+    frame_bytes.resize(static_cast<std::size_t>(block->bytes) - kClipFrameBytes - image_bytes);
+    std::uint8_t* pixels = nullptr;
+    if (image_bytes > 0) {
+      if (!room) image.resize(image_bytes);
+      pixels = room ? room(image_bytes) : image.data();
+      if (pixels == nullptr) refuse("there is no memory for an image");
+    }
+    const auto image_there = std::as_writable_bytes(std::span(pixels, image_bytes));
+    read_at(entry.place + kHeadsBytes, frame_bytes, image_there);
+    if (clip_sum(image_there, clip_sum(frame_bytes, clip_sum(frame_head))) != block->sum) return "is damaged";
     if (there.camera_id != entry.camera_id || there.number != entry.number ||
         there.t_capture_s != entry.t_capture_s || there.has_memory != entry.has_memory ||
         there.is_whole != entry.is_whole)
       return "is not what the index says";
-    if (head.setup >= setups.size()) return "has a setup that is not in the clip";
-    std::uint8_t* pixels = loaded->image;
-    if (head.tile_px != 0) {
-      const ClipTiles grid{head.width, head.height, head.tile_px};
-      const std::uint64_t tile_bytes = grid.pixels(loaded->tiles) *
-                                       static_cast<std::uint64_t>(bytes_per_pixel(head.format)) *
-                                       (head.is_deep ? 2 : 1);
-      if (tile_bytes != head.image_bytes) return "is damaged";
-      const BaseImage* base = base_of(*loaded);
-      if (base == nullptr) return "cannot be put together: the whole image before it is missing or damaged";
-      pixels = own_or_room(base->pixels.size());
-      if (pixels == nullptr) refuse("there is no memory for an image");
-      std::memcpy(pixels, base->pixels.data(), base->pixels.size());
-      put_tiles(head, loaded->tiles, loaded->tile_pixels, pixels);
-    }
-    frame.info = head.info;
-    frame.info.camera_id = loaded->block.camera_id;
-    frame.setup = head.setup;
-    frame.image = {};
-    if (pixels != nullptr) {
-      frame.image = {
-          .data = pixels,
-          .width = head.width,
-          .height = head.height,
-          .stride_bytes = static_cast<std::ptrdiff_t>(clip_plane_bytes(head.format, head.width, 1)),
-          .format = head.format};
-      if (head.is_deep) frame.image.to_low_bits = static_cast<std::ptrdiff_t>(image_bytes_of(head) / 2);
-    }
-    frame.tile_px = head.tile_px;
-    frame.tiles = loaded->tiles;
-    frame.packet = loaded->packet;
-    frame.memory = loaded->memory;
+    if (head->setup >= setups.size()) return "has a setup that is not in the clip";
+    frame = frame_of(*head, block->camera_id, frame_bytes, pixels);
     return "";
   }
 
   const ClipFrame& read(std::size_t place, const Room& room) {
     if (place >= entries.size()) refuse(fmt::format("has {} frames, not one at {}", entries.size(), place));
-    const std::string_view why = read_into_frame(place, room);
-    if (why.empty()) return frame;
     const Entry& entry = entries[place];
+    const std::string_view why = read_into_frame(entry, room);
+    if (why.empty()) return frame;
     refuse(fmt::format("frame {} of camera {} {}", entry.number, entry.camera_id, why));
   }
 
@@ -491,19 +417,16 @@ struct ClipReader::File {
   bool is_unfinished = false, has_about = false;
   std::string problem;
   ClipAbout about;
-  std::vector<std::pair<Entry, BlockPlace>> found;  // while it is opened
   std::vector<Entry> entries;
-  std::vector<BlockPlace> places;  // of entries
   std::vector<Camera> cameras;
-  std::vector<ClipSetup> setups;
-  std::size_t setups_used = 0, json_bytes = 0, table_bytes = 0;
+  std::vector<std::uint64_t> setups;  // places of their blocks; 0: it is not there
+  std::size_t json_left = kMaxClipJsonBytes + kMaxClipEventBytesInAll;  // that may be read
   std::vector<ClipEvent> events;
-  std::map<std::uint32_t, std::uint64_t> missing;
+  std::map<std::uint32_t, std::uint64_t> missing;  // frames of each camera that there is
 
   ClipFrame frame;                     // the last that was read
   std::vector<std::byte> frame_bytes;  // its parts
   std::vector<std::uint8_t> image;
-  std::map<std::uint32_t, BaseImage> bases;  // by camera
 };
 
 ClipReader::ClipReader(const std::filesystem::path& file, const std::stop_token& stop)
@@ -532,8 +455,12 @@ const ClipReader::Camera* ClipReader::camera(std::uint32_t id) const {
   return found != file_->cameras.end() ? &*found : nullptr;
 }
 
-const std::vector<ClipSetup>& ClipReader::setups() const {
-  return file_->setups;
+std::size_t ClipReader::setup_count() const {
+  return file_->setups.size();
+}
+
+ClipSetup ClipReader::setup(std::size_t number) const {
+  return file_->setup(number);
 }
 
 const std::vector<ClipEvent>& ClipReader::events() const {

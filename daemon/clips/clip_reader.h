@@ -9,28 +9,23 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 namespace sslv {
 
-/// A file that is no clip, or a damaged one: one line, beginning with the path.
-struct ClipError : std::runtime_error {
-  using runtime_error::runtime_error;
-};
-
-/// Reads a clip, finished or not. Nothing in the file is trusted: every count is limited by the bytes that
-/// are there, every block has a checksum. Used by one thread at a time.
+/// Reads a clip, finished or not. Nothing in the file is trusted: every count has a limit (clip_format.h),
+/// every block a checksum. No file takes more than 64 MB of memory. Used by one thread at a time.
 class ClipReader {
  public:
   /// A frame as the index has it.
   struct Entry {
     std::uint32_t camera_id = 0, number = 0;
     double t_capture_s = 0;
-    bool has_memory = false;  // of the stages: what is processed from here on is as it was live
-    bool is_whole = true;     // the image is
+    bool has_memory = false;             // of the stages: what is processed from here on is as it was live
+    bool is_whole = true;                // the image is there
+    std::uint64_t place = 0, bytes = 0;  // of its block in the file, and of the payload
   };
   struct Camera {
     std::uint32_t id = 0;
@@ -51,18 +46,20 @@ class ClipReader {
   /// In the order of their ids.
   const std::vector<Camera>& cameras() const;
   const Camera* camera(std::uint32_t id) const;
-  /// Those that are damaged have null for their `about`.
-  const std::vector<ClipSetup>& setups() const;
+  std::size_t setup_count() const;
+  /// Read from the file each time. One that is damaged or missing has null for its `about`. Throws ClipError
+  /// where the file cannot be read.
+  ClipSetup setup(std::size_t number) const;
   const std::vector<ClipEvent>& events() const;
   /// It ends in the middle, or has no index; what was read before the damage is there.
   bool is_unfinished() const;
-  /// What is wrong with it, in one line that begins with the path; empty: nothing was found. Images are only
-  /// looked at when they are read.
+  /// What is wrong with it, in one line that begins with the path; empty: nothing was found. Images and
+  /// setups are only looked at when they are read.
   const std::string& problem() const;
 
-  /// Frame `place` of entries(). All in it lies in this reader's memory until the next call; an image in
-  /// tiles is put together with the whole one before. Its setup is one of setups(). Throws ClipError when it
-  /// is damaged.
+  /// Frame `place` of entries(). All in it lies in this reader's memory until the next call. Its setup is
+  /// below setup_count(). Of images that an earlier version kept in parts it has none. Throws ClipError when
+  /// it is damaged.
   const ClipFrame& read(std::size_t place);
   /// The same into memory of the caller's, who gets it when its size is known: the image is read there and
   /// nowhere else (for a camera's buffers). Rows and low bits lie there without gaps. `room` is not called

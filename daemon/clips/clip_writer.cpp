@@ -11,8 +11,6 @@
 #include <cmath>
 #include <cstring>
 #include <initializer_list>
-#include <map>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,11 +26,6 @@ namespace {
 /// So much of a clip may wait in memory for the disk, twice; more would push out what other programs need,
 /// and a disk that is slow would stop the writer for long at once.
 constexpr std::uint64_t kMaxUnwrittenBytes = 32ULL << 20U;
-
-std::int64_t ns_of(double time_s) {
-  constexpr double kMostNs = 9.2e18;
-  return std::isfinite(time_s) ? static_cast<std::int64_t>(std::clamp(time_s * 1e9, -kMostNs, kMostNs)) : 0;
-}
 
 std::span<const std::byte> bytes_of(const std::string& text) {
   return std::as_bytes(std::span(text));
@@ -53,10 +46,11 @@ struct ClipWriter::File {
       const std::string text = json_text({{"format", "ssl-visiond clip"},
                                           {"site", about.site},
                                           {"version", about.version},
+                                          {"kind", about.kind},
                                           {"why", about.why},
                                           {"begin_s", about.begin_s},
                                           {"end_s", about.end_s}});
-      write_block(ClipBlock::kAbout, 0, ns_of(about.begin_s), {bytes_of(text)}, {});
+      write_block(ClipBlock::kAbout, 0, clip_ns(about.begin_s), {bytes_of(text)}, {});
     } catch (...) {
       ::close(fd);
       throw;
@@ -76,10 +70,9 @@ struct ClipWriter::File {
   /// Within the limits that its reader has.
   std::string json_text(const Json& json) {
     std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-    if (text.size() > kMaxClipJsonBytes || json_bytes + text.size() > kMaxClipJsonBytesInAll)
-      refuse(fmt::format("settings and events of a clip are limited to {} MiB each and {} MiB together",
-                         kMaxClipJsonBytes >> 20U, kMaxClipJsonBytesInAll >> 20U));
-    json_bytes += text.size();
+    if (text.size() > kMaxClipJsonBytes)
+      refuse(
+          fmt::format("settings and events of a clip are limited to {} MiB each", kMaxClipJsonBytes >> 20U));
     return text;
   }
 
@@ -150,6 +143,8 @@ struct ClipWriter::File {
                                             .bytes = count,
                                             .time_ns = time_ns,
                                             .sum = sum});
+    if (index.size() >= kMaxClipBlocks && type != ClipBlock::kIndex)
+      refuse(fmt::format("is full: a clip has at most {} frames", kMaxClipBlocks));
     parts[0] = {const_cast<std::byte*>(head.data()), head.size()};
     if (size - handed_on >= kMaxUnwrittenBytes) hand_on();
     constexpr std::array<std::byte, 8> kPadding{};
@@ -175,36 +170,16 @@ struct ClipWriter::File {
     }
   }
 
-  /// Copies the marked tiles of one plane to `tiles`.
-  void gather_tiles(const ImageView& image, std::ptrdiff_t offset, const ClipTiles& grid,
-                    std::span<const std::byte> map) {
-    const auto pixel_bytes = static_cast<std::size_t>(bytes_per_pixel(image.format));
-    grid.each_row(map, [&](int x, int y, int pixels) {
-      const std::byte* row = reinterpret_cast<const std::byte*>(image.row(y) + offset) +
-                             static_cast<std::size_t>(x) * pixel_bytes;
-      tiles.insert(tiles.end(), row, row + static_cast<std::size_t>(pixels) * pixel_bytes);
-    });
-  }
-
-  struct Base {
-    std::uint64_t place = 0;
-    int width = 0, height = 0;
-    PixelFormat format = PixelFormat::kMono8;
-    bool is_deep = false;
-  };
-
   const std::string name;
   std::filesystem::path folder;
   const int fd;
   std::uint64_t size = 0;
   std::uint64_t handed_on = 0, written = 0;  // the disk has begun with it; it is there
   bool is_broken = false;
-  std::vector<iovec> parts;      // of the block that is written
-  std::vector<std::byte> tiles;  // of the frame that is written
+  std::vector<iovec> parts;  // of the block that is written
   std::vector<ClipIndexLine> index;
-  std::map<std::uint32_t, Base> bases;  // each camera's newest whole image
   std::uint32_t setups = 0;
-  std::size_t json_bytes = 0;
+  std::size_t events = 0, event_bytes = 0;
 };
 
 ClipWriter::ClipWriter(const std::filesystem::path& file, const ClipAbout& about)
@@ -214,13 +189,18 @@ ClipWriter::~ClipWriter() = default;
 
 std::uint32_t ClipWriter::add(const ClipSetup& setup) {
   const std::string text = file_->json_text(setup.about);
-  std::array<std::byte, kClipSetupBytes> head{};
-  put_u32(head, 0, file_->setups);
-  put_u64(head, 8, text.size());
+  return add_setup(static_cast<std::uint32_t>(setup.camera_id), bytes_of(text), setup.table);
+}
+
+std::uint32_t ClipWriter::add_setup(std::uint32_t camera_id, std::span<const std::byte> json,
+                                    std::span<const std::byte> table) {
+  if (file_->setups >= kMaxClipSetups || table.size() > kMaxClipTableBytes)
+    file_->refuse(fmt::format("a clip has at most {} setups, with tables of at most {} MiB", kMaxClipSetups,
+                              kMaxClipTableBytes >> 20U));
+  const auto head = setup_head(file_->setups, json.size());
   ClipIndexLine line;
   line.number = file_->setups;
-  file_->write_block(ClipBlock::kSetup, static_cast<std::uint32_t>(setup.camera_id), 0,
-                     {head, bytes_of(text), setup.table}, line);
+  file_->write_block(ClipBlock::kSetup, camera_id, 0, {head, json, table}, line);
   return file_->setups++;
 }
 
@@ -230,7 +210,9 @@ void ClipWriter::add(const ClipFrame& frame) {
   if (frame.setup >= file_->setups)
     file_->refuse(fmt::format("a frame of camera {} has setup {}, but {} were added", camera_id, frame.setup,
                               file_->setups));
-  if (!image.empty() && !is_valid_size(image.format, image.width, image.height))
+  const bool is_good = image.empty() || (is_valid_size(image.format, image.width, image.height) &&
+                                         clip_image_bytes(image) <= kMaxClipImageBytes);
+  if (!is_good)
     file_->refuse(fmt::format("a frame of camera {} has {}x{} px, which a clip cannot hold", camera_id,
                               image.width, image.height));
   ClipFrameHead head;
@@ -242,63 +224,41 @@ void ClipWriter::add(const ClipFrame& frame) {
   head.format = image.format;
   head.packet_bytes = frame.packet.size();
   head.memory_bytes = frame.memory.size();
+  head.image_bytes = clip_image_bytes(image);
   if (!image.empty()) {
     head.width = image.width;
     head.height = image.height;
     head.is_deep = image.to_low_bits != 0;
-    head.image_bytes = clip_plane_bytes(image.format, image.width, image.height) * (head.is_deep ? 2 : 1);
-  }
-  file_->tiles.clear();
-  const bool is_in_tiles = frame.tile_px != 0 && !image.empty();
-  if (is_in_tiles) {
-    const auto base = file_->bases.find(camera_id);
-    if (base == file_->bases.end() || base->second.width != image.width ||
-        base->second.height != image.height || base->second.format != image.format ||
-        base->second.is_deep != head.is_deep)
-      file_->refuse(fmt::format(
-          "a frame of camera {} is there in parts, but no whole one of its size was before it", camera_id));
-    const ClipTiles grid{image.width, image.height, std::max(1, frame.tile_px)};
-    if (frame.tile_px < 0 || frame.tile_px > 16384 || frame.tiles.size() != grid.map_bytes())
-      file_->refuse(fmt::format("a frame of camera {} has {} bytes for its tiles of {} px; expected {}",
-                                camera_id, frame.tiles.size(), frame.tile_px, grid.map_bytes()));
-    file_->gather_tiles(image, 0, grid, frame.tiles);
-    if (head.is_deep) file_->gather_tiles(image, image.to_low_bits, grid, frame.tiles);
-    head.tile_px = frame.tile_px;
-    head.tiles_bytes = frame.tiles.size();
-    head.image_bytes = file_->tiles.size();
-    head.base = base->second.place;
   }
 
   const auto head_bytes = encoded(head);
   file_->parts.assign(1, {});
   std::uint32_t sum = 0;
   for (const std::span<const std::byte> part :
-       {std::span<const std::byte>(head_bytes), frame.packet, frame.memory,
-        is_in_tiles ? frame.tiles : std::span<const std::byte>{}, std::span<const std::byte>(file_->tiles)}) {
+       {std::span<const std::byte>(head_bytes), frame.packet, frame.memory}) {
     sum = clip_sum(part, sum);
     file_->add_part(part);
   }
-  const bool is_whole = !image.empty() && !is_in_tiles;
-  if (is_whole) {
-    file_->add_plane(image, 0, sum);
-    if (head.is_deep) file_->add_plane(image, image.to_low_bits, sum);
-  }
+  if (!image.empty()) file_->add_plane(image, 0, sum);
+  if (head.is_deep) file_->add_plane(image, image.to_low_bits, sum);
   ClipIndexLine line;
   line.t_capture_s = head.info.times.t_capture_s;
   line.number = head.info.number;
   line.has_memory = head.memory_bytes > 0;
-  line.is_whole = is_whole;
-  const std::uint64_t place = file_->size;
-  file_->finish_block(
-      ClipBlock::kFrame, camera_id, ns_of(line.t_capture_s), sum,
-      kClipFrameBytes + head.packet_bytes + head.memory_bytes + head.tiles_bytes + head.image_bytes, line);
-  if (is_whole) file_->bases[camera_id] = {place, head.width, head.height, head.format, head.is_deep};
+  line.is_whole = !image.empty();
+  file_->finish_block(ClipBlock::kFrame, camera_id, clip_ns(line.t_capture_s), sum,
+                      kClipFrameBytes + head.packet_bytes + head.memory_bytes + head.image_bytes, line);
 }
 
 void ClipWriter::add(const ClipEvent& event) {
   const std::string text =
       file_->json_text({{"time_s", event.time_s}, {"kind", event.kind}, {"text", event.text}});
-  file_->write_block(ClipBlock::kEvent, 0, ns_of(event.time_s), {bytes_of(text)}, {});
+  if (file_->events >= kMaxClipEvents || text.size() > kMaxClipEventBytesInAll - file_->event_bytes)
+    file_->refuse(fmt::format("a clip has at most {} events, of {} MiB together", kMaxClipEvents,
+                              kMaxClipEventBytesInAll >> 20U));
+  file_->write_block(ClipBlock::kEvent, 0, clip_ns(event.time_s), {bytes_of(text)}, {});
+  ++file_->events;
+  file_->event_bytes += text.size();
 }
 
 void ClipWriter::note_missing(std::uint32_t camera_id, std::uint64_t frames) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
 
 namespace sslv {
 
@@ -24,9 +25,10 @@ class ClipWriter {
 
   /// Its place in the clip's list of setups, for the frames that follow.
   std::uint32_t add(const ClipSetup& setup);
-  /// A camera's frames come in their order, behind the setup that they name; an image in tiles only after a
-  /// whole one of the same size and format. Copies nothing that is large: of an image in tiles the tiles
-  /// only.
+  /// The same for what a setup's payload holds (clip_format.h), whatever its number.
+  std::uint32_t add_setup(std::uint32_t camera_id, std::span<const std::byte> json,
+                          std::span<const std::byte> table);
+  /// A camera's frames come in their order, behind the setup that they name. Copies nothing that is large.
   void add(const ClipFrame& frame);
   void add(const ClipEvent& event);
   /// Frames of a camera that the clip lacks although they were processed, and why.

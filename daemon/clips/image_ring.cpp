@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "clips/image_ring.h"
 
-#include "clips/clip_format.h"
+#include "base/clock.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <memory>
-#include <span>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 #include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #ifdef __SSE2__
 #include <emmintrin.h>
@@ -47,20 +52,19 @@ void copy_past_caches(std::byte* to, const std::byte* from, std::size_t bytes) n
   throw std::system_error(problem, std::generic_category(), "memory for images");
 }
 
-/// A file without a name; closed: the system has none.
+/// A file without a name. Throws std::system_error.
 OpenFile memory_file(std::uint64_t bytes) {
   OpenFile file(::memfd_create("last_seconds", MFD_CLOEXEC | MFD_ALLOW_SEALING));
   if (!file.is_open() || ::ftruncate(file.fd(), static_cast<off_t>(bytes)) != 0 ||
       ::fcntl(file.fd(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0)
-    return {};
+    refuse_memory(errno);
   return file;
 }
 
 /// Gives back what part of the file has; it reads as zeros from then on.
 void give_back(const OpenFile& file, std::uint64_t place, std::uint64_t bytes) {
-  if (file.is_open())
-    ::fallocate(file.fd(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, static_cast<off_t>(place),
-                static_cast<off_t>(bytes));
+  ::fallocate(file.fd(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, static_cast<off_t>(place),
+              static_cast<off_t>(bytes));
 }
 
 constexpr std::size_t kHugePage = std::size_t{2} << 20U;
@@ -68,7 +72,7 @@ constexpr std::size_t kHugePage = std::size_t{2} << 20U;
 #define MADV_COLLAPSE 25
 #endif
 
-/// The file, or memory without one, at a place where huge pages may be. Throws std::system_error.
+/// The file, at a place where huge pages may be. Throws std::system_error.
 std::byte* map_memory(const OpenFile& file, std::size_t bytes) {
   const std::size_t room = bytes + kHugePage;
   void* const reserved = ::mmap(nullptr, room, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
@@ -77,8 +81,7 @@ std::byte* map_memory(const OpenFile& file, std::size_t bytes) {
   void* place = from;
   std::size_t left = room;
   std::align(kHugePage, bytes, place, left);
-  const int how = file.is_open() ? MAP_SHARED : MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE;
-  void* const mapped = ::mmap(place, bytes, PROT_READ | PROT_WRITE, how | MAP_FIXED, file.fd(), 0);
+  void* const mapped = ::mmap(place, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_FIXED, file.fd(), 0);
   if (mapped == MAP_FAILED) {
     const int problem = errno;
     ::munmap(reserved, room);
@@ -101,11 +104,84 @@ bool write_at(const OpenFile& file, std::span<const std::byte> bytes, std::uint6
   return true;
 }
 
+bool read_at(const OpenFile& file, std::span<std::byte> bytes, std::uint64_t place) {
+  while (!bytes.empty()) {
+    const ssize_t got = ::pread(file.fd(), bytes.data(), bytes.size(), static_cast<off_t>(place));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(got));
+    place += static_cast<std::uint64_t>(got);
+  }
+  return true;
+}
+
+void set_magic(RingHead& head, std::string_view magic) {
+  head.magic = {};
+  magic.copy(head.magic.data(), head.magic.size());
+}
+
+/// How much room for blocks is in memory that a process left, which from now on was read. Throws ClipError.
+std::size_t room_left_in(const OpenFile& file) {
+  // One that may shrink could be gone while it is read, which kills the reader.
+  const int seals = ::fcntl(file.fd(), F_GET_SEALS);
+  if (seals < 0 || (seals & F_SEAL_SHRINK) == 0) throw ClipError("it is no memory of last seconds");
+  struct stat about {};
+  if (::fstat(file.fd(), &about) != 0 || about.st_size < static_cast<off_t>(ring_file_bytes(0)))
+    throw ClipError("it is too small");
+  void* const page = ::mmap(nullptr, kRingPage, PROT_READ | PROT_WRITE, MAP_SHARED, file.fd(), 0);
+  if (page == MAP_FAILED) throw ClipError("it cannot be read");
+  auto& head = *static_cast<RingHead*>(page);
+  const std::string magic(head.magic.data(), head.magic.size());
+  const bool is_known = magic.starts_with(kRingMagic);
+  if (is_known) set_magic(head, kRingIsRead);
+  const std::uint64_t room = head.room, size = static_cast<std::uint64_t>(about.st_size);
+  ::munmap(page, kRingPage);
+  if (magic.starts_with(kRingIsRead)) throw RingWasRead();
+  if (!is_known) throw ClipError("it was left by another version, or ended well");
+  // What it says must be its size, so that sums of it stay small.
+  if (room > size || room != ring_aligned(room) || ring_file_bytes(room) != size)
+    throw ClipError("its size is not the one that it says");
+  return static_cast<std::size_t>(room);
+}
+
+/// The frame of a slot; none where the slot or the block is damaged.
+std::optional<ClipFrame> frame_of_slot(std::span<const std::byte> blocks, const RingSlot& slot) {
+  if (slot.begin > blocks.size() || slot.bytes > blocks.size() - slot.begin ||
+      slot.bytes < kClipBlockBytes + kClipFrameBytes)
+    return std::nullopt;
+  const auto block = blocks.subspan(slot.begin, slot.bytes);
+  const auto payload = block.subspan(kClipBlockBytes);
+  const auto block_head = block_head_of(block.first<kClipBlockBytes>());
+  if (!block_head || block_head->bytes != payload.size()) return std::nullopt;
+  const auto head = frame_head_of(payload.first<kClipFrameBytes>(), payload.size());
+  if (!head || head->is_in_parts) return std::nullopt;
+  const auto image = payload.last(static_cast<std::size_t>(head->image_bytes));
+  ClipFrame out = frame_of(*head, block_head->camera_id, payload.subspan(kClipFrameBytes),
+                           head->has_image() ? reinterpret_cast<const std::uint8_t*>(image.data()) : nullptr);
+  out.info.times.arrived_ns = slot.arrived_ns.load(std::memory_order_relaxed);
+  return out;
+}
+
+/// Calls copy(data, bytes) for the image's rows, one plane after the other, in as few pieces as it has.
+template <class Copy>
+void each_stretch(const ImageView& image, const Copy& copy) {
+  const std::size_t row_bytes = clip_plane_bytes(image.format, image.width, 1);
+  const bool is_tight = image.stride_bytes == static_cast<std::ptrdiff_t>(row_bytes);
+  for (int plane = 0; plane < (image.to_low_bits != 0 ? 2 : 1); ++plane) {
+    const std::ptrdiff_t shift = plane == 0 ? 0 : image.to_low_bits;
+    if (is_tight) {
+      copy(image.data + shift, row_bytes * static_cast<std::size_t>(image.height));
+    } else {
+      for (int y = 0; y < image.height; ++y) copy(image.row(y) + shift, row_bytes);
+    }
+  }
+}
+
 }  // namespace
 
 ImageRing::ImageRing(std::size_t bytes, const std::stop_token& stop)
-    : bytes_(ring_aligned(bytes)), file_(memory_file(ring_file_bytes(bytes_))) {
-  const std::size_t size = ring_mapped_bytes(bytes_);
+    : file_(memory_file(ring_file_bytes(ring_aligned(bytes)))), room_(ring_aligned(bytes)) {
+  const std::size_t size = ring_mapped_bytes(room_);
   mapped_ = map_memory(file_, size);
   madvise(mapped_, size, MADV_HUGEPAGE);  // fewer pages to look up; it is no harm where there are none
   madvise(mapped_, size, MADV_DONTDUMP);
@@ -123,22 +199,60 @@ ImageRing::ImageRing(std::size_t bytes, const std::stop_token& stop)
     }
     // Files in memory have small pages unless the whole computer is told otherwise; or one asks, since Linux
     // 6.1. If there is no huge page, small ones do.
-    if (file_.is_open() && piece == kHugePage) madvise(mapped_ + at, piece, MADV_COLLAPSE);
+    if (piece == kHugePage) madvise(mapped_ + at, piece, MADV_COLLAPSE);
   }
   make_head();
+}
+
+ImageRing::ImageRing(OpenFile left) : file_(std::move(left)), room_(room_left_in(file_)) {
+  void* const memory =
+      ::mmap(nullptr, ring_mapped_bytes(room_), PROT_READ | PROT_WRITE, MAP_SHARED, file_.fd(), 0);
+  if (memory == MAP_FAILED) throw ClipError("it cannot be read");
+  mapped_ = static_cast<std::byte*>(memory);
+  leave_out_damaged();
+}
+
+ImageRing::~ImageRing() {
+  munmap(mapped_, ring_mapped_bytes(room_));
+  // Others may have it open still: they shall hold no memory, and find nothing.
+  if (!is_put_back_) give_back(file_, 0, ring_file_bytes(room_));
+}
+
+void ImageRing::put_back() noexcept {
+  let_all_go();
+  set_magic(head(), kRingMagic);
+  is_put_back_ = true;
 }
 
 void ImageRing::make_head() noexcept {
   std::uninitialized_value_construct_n(reinterpret_cast<RingSlot*>(mapped_ + kRingPage), kRingSlots);
   RingHead& made = *std::construct_at(reinterpret_cast<RingHead*>(mapped_));
-  made.image_bytes = bytes_;
-  kRingMagic.copy(made.magic.data(), made.magic.size());
+  made.room = room_;
+  set_magic(made, kRingMagic);
 }
 
-ImageRing::~ImageRing() {
-  munmap(mapped_, ring_mapped_bytes(bytes_));
-  // Others may have it open still: they shall hold no memory, and find nothing.
-  give_back(file_, 0, ring_file_bytes(bytes_));
+/// The first and the last frame are sound then, and all that are not are empty; what was held is not.
+void ImageRing::leave_out_damaged() noexcept {
+  std::uint64_t begin = head().begin.load(std::memory_order_relaxed);
+  std::uint64_t end = head().end.load(std::memory_order_relaxed);
+  if (begin > end || end - begin > kRingSlots) begin = end = 0;
+  const auto is_sound = [this, now_ns = steady_ns()](std::uint64_t frame) {
+    const RingSlot& one = slot(frame);
+    const std::uint64_t state = one.state.load(std::memory_order_relaxed);
+    const std::int64_t arrived_ns = one.arrived_ns.load(std::memory_order_relaxed);
+    return (state == frame * 4 + kRingKept || state == frame * 4 + kRingHeld) && arrived_ns > 0 &&
+           arrived_ns <= now_ns && frame_of_slot({blocks(), room_}, one).has_value();
+  };
+  for (std::uint64_t frame = begin; frame != end; ++frame)
+    slot(frame).state.store(frame * 4 + (is_sound(frame) ? kRingKept : kRingEmpty),
+                            std::memory_order_relaxed);
+  const auto is_empty = [this](std::uint64_t frame) {
+    return slot(frame).state.load(std::memory_order_relaxed) == frame * 4 + kRingEmpty;
+  };
+  while (begin != end && is_empty(begin)) ++begin;
+  while (begin != end && is_empty(end - 1)) --end;
+  head().begin.store(begin, std::memory_order_relaxed);
+  head().end.store(end, std::memory_order_relaxed);
 }
 
 ImageRing::Extent ImageRing::extent() const noexcept {
@@ -177,48 +291,51 @@ bool ImageRing::make_room(std::size_t begin, std::size_t bytes, bool from_the_st
 }
 
 bool ImageRing::put(const ClipFrame& frame) noexcept {
-  const std::size_t image_bytes = frame.image.empty() ? 0 : ring_image_bytes(frame);
+  const ImageView& image = frame.image;
+  const std::size_t image_bytes = clip_image_bytes(image);
   ClipFrameHead about{.info = frame.info,
                       .setup = frame.setup,
-                      .format = frame.image.format,
-                      .width = frame.image.width,
-                      .height = frame.image.height,
-                      .is_deep = frame.image.to_low_bits != 0,
-                      .tile_px = frame.tile_px,
+                      .format = image.format,
+                      .width = image.empty() ? 0 : image.width,
+                      .height = image.empty() ? 0 : image.height,
+                      .is_deep = image.to_low_bits != 0,
                       .packet_bytes = frame.packet.size(),
                       .memory_bytes = frame.memory.size(),
-                      .tiles_bytes = frame.tiles.size(),
                       .image_bytes = image_bytes};
   leave_out_bad_times(about.info.times);
   const auto head_bytes = encoded(about);
-  const std::size_t small =
-      head_bytes.size() + frame.packet.size() + frame.memory.size() + frame.tiles.size();
+  const std::size_t payload_bytes =
+      head_bytes.size() + frame.packet.size() + frame.memory.size() + image_bytes;
+  const auto block_head = encoded(ClipBlockHead{.type = static_cast<std::uint32_t>(ClipBlock::kFrame),
+                                                .camera_id = frame.info.camera_id,
+                                                .bytes = payload_bytes,
+                                                .time_ns = clip_ns(frame.info.times.t_capture_s)});
+  // The image begins with a line of the cache, so that it can be copied past that.
+  const std::size_t small = block_head.size() + payload_bytes - image_bytes;
   const std::size_t bytes = ring_aligned(small) + ring_aligned(image_bytes);
-  const bool from_the_start = at_ + bytes > bytes_;
+  const bool from_the_start = at_ + bytes > room_;
   const std::size_t begin = from_the_start ? 0 : at_;
-  const bool is_good = bytes <= bytes_ && frame_head_of(head_bytes, small + image_bytes, 1).has_value();
+  const bool is_good = bytes <= room_ && frame_head_of(head_bytes, payload_bytes).has_value();
   if (!is_good || !make_room(begin, bytes, from_the_start)) {
     head().dropped.fetch_add(1, std::memory_order_relaxed);
     return false;
   }
-  std::byte* to = images() + begin;
+  const std::size_t block_at = begin + ring_aligned(small) - small;
+  std::byte* to = blocks() + block_at;
   const auto copy = [&to](const void* from, std::size_t count) {
     if (count != 0) copy_past_caches(to, static_cast<const std::byte*>(from), count);
     to += count;
   };
+  copy(block_head.data(), block_head.size());
   copy(head_bytes.data(), head_bytes.size());
   copy(frame.packet.data(), frame.packet.size());
   copy(frame.memory.data(), frame.memory.size());
-  copy(frame.tiles.data(), frame.tiles.size());
-  to = images() + begin + ring_aligned(small);
-  if (image_bytes != 0) each_stretch(frame, copy);
+  if (image_bytes != 0) each_stretch(image, copy);
 
   const std::uint64_t number = head().end.load(std::memory_order_relaxed);
   RingSlot& one = slot(number);
-  one.begin = begin;
-  one.bytes = bytes;
-  one.payload_bytes = small + image_bytes;
-  one.camera_id = frame.info.camera_id;
+  one.begin = block_at;
+  one.bytes = block_head.size() + payload_bytes;
   one.arrived_ns.store(frame.info.times.arrived_ns, std::memory_order_relaxed);
   one.setup.store(frame.setup, std::memory_order_relaxed);
   one.state.store(number * 4 + kRingKept, std::memory_order_release);
@@ -244,9 +361,15 @@ void ImageRing::hold(std::int64_t from_ns, std::int64_t to_ns) {
   }
 }
 
+std::uint64_t ImageRing::held_bytes() const {
+  std::uint64_t out = 0;
+  for (const std::uint64_t frame : held_) out += slot(frame).bytes;
+  return out;
+}
+
 const ClipFrame* ImageRing::oldest_held() {
   for (; !held_.empty(); let_go()) {
-    const auto frame = frame_in({images(), bytes_}, slot(held_.front()), whole_);
+    const auto frame = frame_of_slot({blocks(), room_}, slot(held_.front()));
     if (!frame) continue;
     oldest_ = *frame;
     return &oldest_;
@@ -266,26 +389,46 @@ void ImageRing::let_all_go() {
 }
 
 void ImageRing::put_setup(std::uint32_t number, const ClipSetup& setup) {
-  if (!file_.is_open()) return;
   const std::string about = setup.about.dump(-1, ' ', false, Json::error_handler_t::replace);
-  if (about.size() > kMaxClipJsonBytes || setup.table.size() > kMaxClipTableBytes) return;
+  if (about.size() > kMaxClipJsonBytes || setup.table.size() > kMaxClipTableBytes)
+    throw ClipError("they are larger than a clip can hold");
   if (number >= kRingSetups) forget_setups_before(number - kRingSetups + 1);
-  const auto text = std::as_bytes(std::span(about));
-  std::array<std::byte, kRingSetupHeadBytes> head{};
-  put_u32(head, 0, number);
-  put_u32(head, 4, static_cast<std::uint32_t>(setup.camera_id));
-  put_u64(head, 8, text.size());
-  put_u64(head, 16, setup.table.size());
-  put_u32(head, 24, clip_sum(setup.table, clip_sum(text, clip_sum(std::span(head).first(24)))));
-  const std::uint64_t place = ring_setup_place(bytes_, number) + head.size();
+  const auto json = std::as_bytes(std::span(about));
+  const auto setup_bytes = setup_head(number, json.size());
+  const auto block_head =
+      encoded(ClipBlockHead{.type = static_cast<std::uint32_t>(ClipBlock::kSetup),
+                            .camera_id = static_cast<std::uint32_t>(setup.camera_id),
+                            .bytes = setup_bytes.size() + json.size() + setup.table.size(),
+                            .sum = clip_sum(setup.table, clip_sum(json, clip_sum(setup_bytes)))});
   setups_.push_back(number);
-  if (!write_at(file_, text, place) || !write_at(file_, setup.table, place + text.size()) ||
-      !write_at(file_, head, place - head.size()))
-    free_setup(number);
+  std::uint64_t place = ring_setup_place(room_, number);
+  for (const std::span<const std::byte> part :
+       {std::span<const std::byte>(block_head), std::span<const std::byte>(setup_bytes), json,
+        std::span<const std::byte>(setup.table)}) {
+    if (!write_at(file_, part, place)) {
+      free_setup(number);
+      throw ClipError("there is no memory for them");
+    }
+    place += part.size();
+  }
+}
+
+std::vector<std::byte> ImageRing::setup(std::uint32_t number) const {
+  const std::uint64_t place = ring_setup_place(room_, number);
+  std::array<std::byte, kClipBlockBytes> bytes{};
+  if (!read_at(file_, bytes, place)) return {};
+  const auto head = block_head_of(bytes);
+  if (!head || head->type != static_cast<std::uint32_t>(ClipBlock::kSetup) ||
+      head->bytes > kRingSetupBytes - kClipBlockBytes)
+    return {};
+  std::vector<std::byte> payload(static_cast<std::size_t>(head->bytes));
+  if (!read_at(file_, payload, place + bytes.size()) || clip_sum(payload) != head->sum) return {};
+  const auto parts = setup_in(payload);
+  return parts && parts->number == number ? std::move(payload) : std::vector<std::byte>{};
 }
 
 void ImageRing::free_setup(std::uint32_t number) const {
-  give_back(file_, ring_setup_place(bytes_, number), kRingSetupBytes);
+  give_back(file_, ring_setup_place(room_, number), kRingSetupBytes);
 }
 
 void ImageRing::forget_setups_before(std::uint32_t number) {

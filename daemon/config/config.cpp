@@ -67,13 +67,24 @@ void rename_light_limits(Json& tree) {
   }
 }
 
-/// From version 2 to 3: other computers are used for tracks only if they are named. Whether they all were
+/// Other computers are used for tracks only if they are named. Whether they all were
 /// before is no name of any.
 void name_other_computers(Json& tree) {
   if (!tree.is_object() || !tree.contains("field") || !tree["field"].is_object()) return;
   Json& field = tree["field"];
   if (field.contains("other_computers") && field["other_computers"].is_boolean())
     field["other_computers"] = Json::array();
+}
+
+/// The last seconds could hold only parts of images.
+void keep_whole_images(Json& tree) {
+  const Json::json_pointer images("/recording/last_seconds/images");
+  if (tree.is_object() && tree.contains(images) && tree[images] == "found") tree[images] = "whole";
+}
+
+void to_version_3(Json& tree) {
+  name_other_computers(tree);
+  keep_whole_images(tree);
 }
 
 /// Throws SettingsError, beginning with `path`, for a text that is no IPv4 address of a computer.
@@ -127,7 +138,7 @@ Config read_config(const Json& settings) {
 }
 
 const Migrations& settings_migrations() {
-  static const Migrations kMigrations{rename_light_limits, name_other_computers};
+  static const Migrations kMigrations{rename_light_limits, to_version_3};
   return kMigrations;
 }
 

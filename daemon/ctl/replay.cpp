@@ -159,7 +159,7 @@ Json clip_info_json(const std::filesystem::path& file, const ClipReader& clip) {
           {"why", about.why},
           {"begin_s", entries.empty() ? about.begin_s : entries.front().t_capture_s},
           {"seconds", entries.empty() ? 0.0 : entries.back().t_capture_s - entries.front().t_capture_s},
-          {"setups", clip.setups().size()},
+          {"setups", clip.setup_count()},
           {"unfinished", clip.is_unfinished()},
           {"problem", clip.problem()},
           {"cameras", std::move(cameras)},

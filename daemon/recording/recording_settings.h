@@ -10,11 +10,14 @@ namespace sslv {
 
 /// What of the cameras' last seconds is kept in memory.
 struct LastSecondsSettings {
-  enum class Images { kWhole, kEveryNth, kFound };
+  enum class Images { kWhole, kEveryNth };
 
   int memory_mb = 512;
   Images images = Images::kWhole;
   int every_nth = 4;
+
+  /// One image of so many is kept.
+  int kept_every() const { return images == Images::kEveryNth ? every_nth : 1; }
 
   static constexpr auto fields() {
     using L = LastSecondsSettings;
@@ -23,10 +26,8 @@ struct LastSecondsSettings {
                "memory for the newest images of all cameras, from which clips are made; 0: none are kept"),
         choice("images", &L::images,
                std::array{Choice<Images>{"whole", Images::kWhole},
-                          Choice<Images>{"every_nth", Images::kEveryNth},
-                          Choice<Images>{"found", Images::kFound}},
-               "which: whole ones, only every n-th, or of most of them only the parts where robots and balls "
-               "may be, which reaches back many times further"),
+                          Choice<Images>{"every_nth", Images::kEveryNth}},
+               "which: every one, or only every n-th"),
         number("every_nth", &L::every_nth, 2, 1000, "", "n, for every n-th image"),
     };
   }

@@ -75,21 +75,16 @@ bool ClipReplay::next(Result& result) {
     ++next_;
     const ClipFrame& recorded = clip_.read(place);
     if (recorded.image.empty()) {
-      doubt("image", fmt::format("the image of frame {} is missing", recorded.info.number));
+      doubt("image",
+            fmt::format("of frame {} no image, or only parts of one, were kept", recorded.info.number));
       continue;
     }
     if (recorded.setup != setup_index_) use_setup(recorded.setup);
     follow_memory(recorded);
-    const bool is_whole = recorded.tile_px == 0;
-    if (!is_whole)
-      doubt("tiles",
-            fmt::format("of the image of frame {} only parts are as they were", recorded.info.number));
     sink_->begin(recorded);
     pipeline_->set_next_number(recorded.info.number);
     const Frame& frame = pipeline_->process(Image(recorded.image, nullptr, nullptr, nullptr),
                                             recorded.info.times, recorded.info.whole);
-    // An image that is not as it was may leave other memories behind.
-    memory_is_live_ = memory_is_live_ && is_whole;
     ++processed_;
     if (t_s < from_s_) continue;
     result = {place, &recorded, &frame, sink_->packet, memory_is_live_ && !other_};
@@ -99,9 +94,9 @@ bool ClipReplay::next(Result& result) {
 }
 
 void ClipReplay::use_setup(std::uint32_t setup) {
-  if (setup >= clip_.setups().size())
+  if (setup >= clip_.setup_count())
     throw ClipError(fmt::format("the clip has no setup {}, which a frame names", setup));
-  const ClipSetup& clip = clip_.setups()[setup];
+  const ClipSetup clip = clip_.setup(setup);
   const std::string path = fmt::format("the clip's setup {}", setup);
   setup_ = other_ ? setup_with(*other_, clip, setup_.pipeline, path) : setup_of(clip, setup_.pipeline, path);
   setup_index_ = setup;

@@ -37,65 +37,36 @@ function blockAt(file, place) {
   return { place, end, type: head.readUInt32LE(0), camera_id: head.readUInt32LE(4), bytes, time_ns: head.readBigInt64LE(16), payload };
 }
 
-/** The image of a frame whose tiles lie on another one's. */
-function withTiles(frame, map, stored, base) {
-  const { width, height, tile_px: side, is_deep: isDeep, pixel_bytes: pixelBytes } = frame;
-  const image = Buffer.from(base);
-  let from = 0;
-  for (let plane = 0; plane < (isDeep ? 2 : 1); plane++) {
-    let tile = 0;
-    for (let top = 0; top < height; top += side) {
-      for (let left = 0; left < width; left += side, tile++) {
-        if (((map[tile >> 3] >> (tile & 7)) & 1) === 0) continue;
-        const rowBytes = Math.min(side, width - left) * pixelBytes;
-        for (let y = top; y < Math.min(top + side, height); y++, from += rowBytes)
-          stored.copy(image, ((plane * height + y) * width + left) * pixelBytes, from, from + rowBytes);
-      }
-    }
-  }
-  check(from === stored.length, `frame ${frame.number}: its tiles are ${from} bytes, not ${stored.length}`);
-  return image;
-}
-
-/** `images`: whole ones by their block's place. */
-function frameOf(block, images) {
+function frameOf(block) {
   const at = block.payload;
   check(at.length >= 128 && at.readUInt32LE(124) === crc32(at.subarray(0, 124)), `block at ${block.place}: damaged frame`);
   const flags = at.readUInt32LE(32), format = at.readUInt32LE(36);
   check(format < kFormats.length, `block at ${block.place}: unknown pixel format ${format}`);
-  check(at.readUInt32LE(68) === 0 && at.subarray(112, 124).every((byte) => byte === 0), `block at ${block.place}: what is 0 is not`);
+  check([at.subarray(64, 72), at.subarray(88, 96), at.subarray(104, 124)].every((part) => part.every((byte) => byte === 0)), `block at ${block.place}: what is 0 is not`);
   const frame = {
     camera_id: block.camera_id, number: at.readUInt32LE(0), setup: at.readUInt32LE(4), t_capture_s: at.readDoubleLE(8),
     t_capture_camera_s: flags & 1 ? at.readDoubleLE(16) : null, t_capture_sigma_s: flags & 2 ? at.readDoubleLE(24) : null,
     is_by_ptp: (flags & 4) !== 0, is_deep: (flags & 8) !== 0, pixel_format: kFormats[format], pixel_bytes: bytesPerPixel(format),
     width: at.readUInt32LE(40), height: at.readUInt32LE(44),
     whole: { width: at.readUInt32LE(48), height: at.readUInt32LE(52), x: at.readUInt32LE(56), y: at.readUInt32LE(60) },
-    tile_px: at.readUInt32LE(64), image: null,
+    image: null,
   };
   let place = 128;
   const next = (bytes) => at.subarray(place, (place += bytes));
   frame.packet = next(u64(at, 72));
   frame.memory = next(u64(at, 80));
-  const map = next(u64(at, 88)), stored = next(u64(at, 96));
+  const image = next(u64(at, 96));
   check(place === at.length, `frame ${frame.number}: its parts are ${place} bytes, not ${at.length}`);
-  if (frame.width === 0) return frame;
   const bytes = frame.width * frame.height * frame.pixel_bytes * (frame.is_deep ? 2 : 1);
-  if (frame.tile_px === 0) {
-    check(stored.length === bytes, `frame ${frame.number}: its image is ${stored.length} bytes, not ${bytes}`);
-    images.set(block.place, stored);
-    frame.image = stored;
-  } else {
-    const base = images.get(u64(at, 104));
-    if (base?.length === bytes) frame.image = withTiles(frame, map, stored, base);
-  }
+  check(image.length === bytes, `frame ${frame.number}: its image is ${image.length} bytes, not ${bytes}`);
+  if (bytes > 0) frame.image = image;
   return frame;
 }
 
 /**
  * All of a clip: {is_finished, about, setups: [{camera_id, about, table}], events, frames, missing: {camera_id: frames}}. Frames are in the order of
- * the file and have camera_id, number, t_capture_s, pixel_format, width, height, setup, packet, memory, tile_px, and the whole image (with tiles
- * put onto the one they lie on; null: there is none). Throws an Error for what is no clip, and for what is damaged; an unfinished one ends with
- * its last whole block.
+ * the file and have camera_id, number, t_capture_s, pixel_format, width, height, setup, packet, memory and image (null: there is none). Throws an
+ * Error for what is no clip, and for what is damaged; an unfinished one ends with its last whole block.
  */
 export function readClip(path) {
   const file = readFileSync(path);
@@ -104,7 +75,7 @@ export function readClip(path) {
   const isFinished = file.length >= 64 && file.subarray(-8).toString('latin1') === 'SSL_CEND';
   const end = isFinished ? file.length - 16 : file.length;
   const out = { is_finished: isFinished, about: null, setups: [], events: [], frames: [], missing: {} };
-  const images = new Map(), lines = [];
+  const lines = [];
   const isWhole = (place) => place + 32 <= end && u64(file, place + 8) <= end - place - 32;
   let index = null;
   for (let place = 16; isFinished ? place < end : isWhole(place);) {
@@ -119,11 +90,11 @@ export function readClip(path) {
       out.setups[line.number] = { camera_id: block.camera_id, about: text(block.payload.subarray(16, jsonEnd)), table: block.payload.subarray(jsonEnd) };
     }
     if (block.type === 3) {
-      const frame = frameOf(block, images);
+      const frame = frameOf(block);
       check(frame.setup in out.setups, `${path}: frame ${frame.number} comes before its setup`);
       line.t_capture_s = frame.t_capture_s;
       line.number = frame.number;
-      line.flags = (frame.memory.length > 0 ? 1 : 0) | (frame.image !== null && frame.tile_px === 0 ? 2 : 0);
+      line.flags = (frame.memory.length > 0 ? 1 : 0) | (frame.image !== null ? 2 : 0);
       out.frames.push(frame);
     }
     if (block.type === 4) out.events.push(text(block.payload));

@@ -61,6 +61,7 @@ describe('clips', () => {
 
     const clip = readClip(pathOf(made));
     assert.equal(clip.about.why, 'kept by hand');
+    assert.equal(clip.about.kind, 'kept');
     assert.equal(clip.frames.length, made.cameras[0].frames + made.cameras[1].frames);
     let unheard = 0;
     for (const { id, frames: count, missing } of made.cameras) {
@@ -186,6 +187,7 @@ describe('clips', () => {
       const goal = await isThere('goal');
       await service.patch({ op: 'replace', path: '/recording/clips/on_goal', value: false }, { op: 'replace', path: '/recording/clips/on_command', value: true });
       assert.match(goal.why, /^Goal for yellow: \d+ : 0$/);
+      assert.equal(readClip(pathOf(goal)).about.kind, 'goal');
       assert.ok(readClip(pathOf(goal)).events.some(({ kind, text }) => kind === 'goal' && text === goal.why));
       assert.match((await isThere('command')).why, /^(Stop|Force start)$/);
       await service.patch({ op: 'replace', path: '/recording/clips/on_command', value: false });
@@ -193,26 +195,6 @@ describe('clips', () => {
       clearInterval(talking);
       gc.close();
     }
-  });
-
-  it('are made of parts of images where memory is to reach far', async () => {
-    const before = (await reaches(1)).last_seconds.cameras[0];
-    await service.patch({ op: 'replace', path: '/recording/last_seconds/images', value: 'found' });
-    const rate = (camera) => camera.frames && camera.seconds;
-    await becomes(clips, ({ last_seconds }) => last_seconds.images === 'found' && last_seconds.cameras.every(rate));
-    const made = await clipWith({ seconds: 0.5, seconds_after: 3 }, 'parts');
-    const clip = readClip(pathOf(made));
-    for (const id of [0, 1]) {
-      // From the first on that is in parts; before it may lie some of before.
-      const all = clip.frames.filter(({ camera_id }) => camera_id === id);
-      const frames = all.slice(all.findIndex(({ tile_px }) => tile_px > 0));
-      const whole = frames.filter(({ tile_px }) => tile_px === 0).length, seconds = frames.at(-1).t_capture_s - frames[0].t_capture_s;
-      assert.ok(whole < frames.length && whole <= 1 + seconds, `${whole} of ${frames.length} in ${seconds} s are whole`);
-    }
-    assert.ok(clip.frames.every(({ image, width, height }) => image.length >= width * height));
-    assert.ok(before.frames > 0);
-    const { json: index } = await ask('GET', `/clips/${made.name}/frames`);
-    assert.equal((await ask('GET', `/clips/${made.name}/frames/${index.cameras[0].places.at(-1)}/picture`)).status, 200);
   });
 
   it('can be kept, taken away, and make room', async () => {

@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { execFile, execFileSync } from 'node:child_process';
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
-import { existsSync, mkdirSync, readFileSync, readdirSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdirSync, readFileSync, readdirSync, truncateSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, afterEach, before, beforeEach, describe, it } from 'node:test';
 import { promisify } from 'node:util';
@@ -76,7 +76,7 @@ describe('match logs', () => {
   });
 
   it('follow the game controller: named by it, without breaks, to the end of the match', async () => {
-    assert.deepEqual((await state()), { state: 'waiting', name: null, started_by: null, begin_s: null, seconds: 0, bytes: 0, messages: { vision: 0, referee: 0, tracked: 0 }, lost: 0, error: '' });
+    assert.deepEqual((await state()), { state: 'waiting', name: null, started_by: null, begin_s: null, seconds: 0, bytes: 0, messages: { vision: 0, referee: 0, tracked: 0 }, lost: 0, refused: 0, error: '' });
     said = { ...TEAMS, stage: 0, command: 0 };
     await service.statusBecomes(({ referee }) => referee.match !== null);
     assert.equal((await state()).state, 'waiting', 'all are halted');
@@ -273,6 +273,58 @@ describe('match logs', () => {
     await becomes(() => heard.length, (count) => count >= info.messages.vision);
     ears.close();
     assert.deepEqual(heard, ofType(messages, VISION).map((message) => message.bytes));
+  });
+
+  it('are not crowded out by what strangers send', async () => {
+    // Three older logs, so large that the quota is almost full of them; one is pinned.
+    mkdirSync(folder, { recursive: true });
+    for (const { name } of await logs()) await ask('DELETE', `/logs/${name}`);
+    const older = ['2001-01-01_a.log', '2001-01-02_b.log', '2001-01-03_c.log'];
+    for (const name of older) {
+      writeFileSync(join(folder, name), Buffer.from('SSL_LOG_FILE\0\0\0\x01', 'latin1'));
+      truncateSync(join(folder, name), 2_800_000);
+    }
+    await ask('PATCH', `/logs/${older[0]}`, { pinned: true });
+    await service.patch({ op: 'add', path: '/recording', value: { match_logs: 'by_game_controller', quota_mb: 10, keep_free_mb: 0, last_seconds: { memory_mb: 0 } } });
+    said = { ...TEAMS, stage: 1, command: START };
+    const { name } = (await isNow('recording')).match_log;
+    const tracked = (await state()).messages.tracked;
+    const noise = Buffer.from(Array.from({ length: 1400 }, (_, i) => ((i * 197 + 31) % 251) | 1));
+    // Until 14 MB have come, more than the quota: the kernel drops what comes faster than somebody looks.
+    for (let number = 0; (await state()).refused < 10_000;) {
+      for (let i = 0; i < 100; i++, number++) {
+        noise.writeUInt32LE(Math.imul(number, 2654435761) >>> 0, (number * 13) % 1390);
+        gc.send(noise, service.settings.network.tracker.port, TRACKER_GROUP);
+      }
+      for (const [port, group] of [[service.settings.network.tracker.port, TRACKER_GROUP], [service.settings.network.vision.port, GROUP], [gcPort, GC_GROUP]]) gc.send(Buffer.alloc(0), port, group);
+    }
+    await becomes(state, ({ messages }) => messages.tracked > tracked + 30);
+    const { bytes, lost } = await state();
+    assert.ok(bytes < 1_500_000, `${bytes} bytes of a few seconds`);
+    assert.equal(lost, 0);
+    const { alerts } = await service.statusBecomes(({ alerts: now }) => now.some(({ id }) => id === 'recording_refused'));
+    assert.equal(alerts.filter(({ id }) => id.startsWith('recording_')).length, 1);
+    assert.match(alerts.find(({ id }) => id === 'recording_refused').title, /^The match log leaves out \d+ datagrams /);
+    assert.deepEqual((await logs()).map((log) => log.name).sort(), [...older, name]);
+
+    // All of the quota is pinned: the match is recorded to its end, and what was recorded stays.
+    for (const log of older) {
+      truncateSync(join(folder, log), 3_400_000);
+      await ask('PATCH', `/logs/${log}`, { pinned: true });
+    }
+    const full = await service.statusBecomes(({ alerts: now }) => now.some(({ id }) => id === 'recording_disk'));
+    assert.match(full.alerts.find(({ id }) => id === 'recording_disk').title, /^Too much is kept: recordings take 1\d MB, and may take 10 MB \(\/recording\/quota_mb\)/);
+    assert.equal((await state()).state, 'recording');
+    said = { ...TEAMS, stage: 13, command: 0 };
+    await isNow('waiting');
+    // Until the disk was looked at once more.
+    truncateSync(join(folder, older[0]), 8_400_000);
+    await service.statusBecomes(({ alerts: now }) => now.some(({ id, title }) => id === 'recording_disk' && title.includes('recordings take 15 MB')));
+    assert.deepEqual((await logs()).map((log) => log.name).sort(), [...older, name]);
+    const text = await (await fetch(service.address('api/events'))).text();
+    assert.ok(!text.includes('was removed to make room'), text);
+    assert.ok(existsSync(join(folder, name)));
+    for (const log of older) await ask('DELETE', `/logs/${log}`);
   });
 
   it('are kept although the disk shall have more room', async () => {

@@ -2,6 +2,7 @@
 // What the service manager is told, and what makes it restart the service.
 #include "support/service_manager.h"
 
+#include "clips/clip_writer.h"
 #include "e2e/running_daemon.h"
 #include "support/paths.h"
 
@@ -272,7 +273,7 @@ TEST_F(Crashes, LeaveAClipOfWhatTheCamerasSaw) {
   for (const int days : {1, -1, -2, -3}) {
     const auto clip = recordings / ("2000-01-0" + std::to_string(4 + days) + "_00-00_crash.clip");
     std::filesystem::create_directories(recordings);
-    std::ofstream(clip) << "old";
+    ClipWriter(clip, {.kind = std::string(kCrashClip)}).finish();
     std::filesystem::last_write_time(
         clip, std::filesystem::file_time_type::clock::now() + std::chrono::hours(24 * days));
   }

@@ -58,7 +58,9 @@ void look_at(const ImageView& image, std::size_t file_bytes) {
 void read_all(const std::string& name, std::size_t file_bytes) {
   ClipReader reader(name);
   expect(reader.entries().size() * kClipFrameBytes <= file_bytes, "more frames than there is room for");
-  expect(reader.setups().size() * kClipSetupBytes <= file_bytes, "more setups than there is room for");
+  expect(reader.setup_count() * kClipSetupBytes <= file_bytes, "more setups than there is room for");
+  for (std::size_t i = 0; i < reader.setup_count(); ++i)
+    expect(reader.setup(i).table.size() <= file_bytes, "a table that is larger than the file");
   std::size_t of_cameras = 0;
   for (const ClipReader::Camera& camera : reader.cameras()) of_cameras += camera.frames.size();
   expect(of_cameras == reader.entries().size(), "a frame of no camera");
@@ -67,11 +69,11 @@ void read_all(const std::string& name, std::size_t file_bytes) {
            "not in the order of capture");
     try {
       const ClipFrame& frame = reader.read(i);
-      expect(frame.setup < reader.setups().size(), "a setup that is not there");
+      expect(frame.setup < reader.setup_count(), "a setup that is not there");
       expect(frame.info.number == reader.entries()[i].number, "another frame");
       expect(std::isfinite(frame.info.times.t_capture_s), "a time that is no number");
       look_at(frame.image, file_bytes);
-      for (const auto part : {frame.packet, frame.memory, frame.tiles}) {
+      for (const auto part : {frame.packet, frame.memory}) {
         for (const std::byte byte : part) seen += std::to_integer<unsigned>(byte);
       }
     } catch (const ClipError& error) {

@@ -2,14 +2,14 @@
 // libFuzzer: whatever a crashed process left in the memory of its ring, the reader gives frames that can be
 // used, or one line. The input changes memory that was good: each 12 bytes are a place in it and what is
 // there; the frames' heads get their checksums again. ./run test-long
-#include "clips/clip_reader.h"
+#include "clips/clip_format.h"
 #include "clips/image_ring.h"
-#include "clips/left_ring.h"
 #include "fuzz/expect.h"
 
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,7 +27,6 @@ constexpr std::size_t kBytes = 1 << 14;
 
 void fill(ImageRing& ring) {
   const std::vector<std::uint8_t> pixels(2048, 7);
-  const std::array<std::byte, 1> tiles{std::byte{3}};
   const std::array<std::byte, 5> memory{};
   for (std::uint32_t number = 0; number < 9; ++number) {
     ring.put_setup(number, {1, Json{{"settings", Json::object()}}, std::vector<std::byte>(20)});
@@ -36,10 +35,6 @@ void fill(ImageRing& ring) {
     frame.info.times.arrived_ns = number + 1;
     frame.image = {pixels.data(), 64, 32, 64, PixelFormat::kMono8};
     frame.packet = frame.memory = memory;
-    if (number % 2 == 1) {
-      frame.tile_px = 32;
-      frame.tiles = tiles;
-    }
     ring.put(frame);
   }
 }
@@ -51,21 +46,24 @@ void change(std::byte* memory, std::span<const std::uint8_t> input) {
     // Heads, the slots in use, or the frames.
     constexpr std::size_t kSlotsInUse = 16 * sizeof(RingSlot);
     constexpr std::array<std::array<std::size_t, 2>, 3> kParts{
-        {{kRingMagic.size(), sizeof(RingHead)}, {kRingPage, kSlotsInUse}, {kRingImagesAt, kBytes}}};
+        {{kRingMagic.size(), sizeof(RingHead)}, {kRingPage, kSlotsInUse}, {kRingBlocksAt, kBytes}}};
     const auto [begin, size] = kParts[place % kParts.size()];
     std::memcpy(memory + begin + place / 3 % (size - 8), input.data() + 4, 8);
   }
   for (std::size_t i = 0; i < 16; ++i) {
     const auto& slot = reinterpret_cast<const RingSlot*>(memory + kRingPage)[i];
-    if (slot.begin > kBytes - kClipFrameBytes) continue;
-    const std::span head(memory + kRingImagesAt + slot.begin, kClipFrameBytes);
+    if (slot.begin > kBytes - kClipBlockBytes - kClipFrameBytes) continue;
+    const std::span block(memory + kRingBlocksAt + slot.begin, kClipBlockBytes + kClipFrameBytes);
+    put_u32(block, kClipBlockBytes - 4, clip_sum(block.first(kClipBlockBytes - 4)));
+    const auto head = block.subspan(kClipBlockBytes);
     put_u32(head, kClipFrameBytes - 4, clip_sum(head.first(kClipFrameBytes - 4)));
   }
 }
 
-void read_all(LeftRing& ring) {
+void read_all(ImageRing& ring) {
+  ring.hold(0, std::numeric_limits<std::int64_t>::max());
   std::size_t frames = 0;
-  while (const ClipFrame* frame = ring.oldest()) {
+  while (const ClipFrame* frame = ring.oldest_held()) {
     expect(++frames <= ring.extent().frames, "more frames than there were");
     const ImageView& image = frame->image;
     if (!image.empty()) {
@@ -77,11 +75,12 @@ void read_all(LeftRing& ring) {
         }
       }
     }
-    for (const auto part : {frame->packet, frame->memory, frame->tiles}) {
+    for (const auto part : {frame->packet, frame->memory}) {
       for (const std::byte byte : part) seen += std::to_integer<unsigned>(byte);
     }
-    if (const auto setup = ring.setup(frame->setup)) expect(setup->about.is_object(), "a setup that is none");
-    ring.drop_oldest();
+    const std::vector<std::byte> setup = ring.setup(frame->setup);
+    expect(setup.empty() || setup_in(setup).has_value(), "a setup that is none");
+    ring.let_go();
   }
 }
 
@@ -98,7 +97,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   change(static_cast<std::byte*>(memory), {bytes, size});
   ::munmap(memory, mapped);
   try {
-    LeftRing left(OpenFile(::fcntl(ring.fd(), F_DUPFD_CLOEXEC, 0)));
+    ImageRing left(OpenFile(::fcntl(ring.fd(), F_DUPFD_CLOEXEC, 0)));
     read_all(left);
   } catch (const ClipError& error) {
     expect(!std::string(error.what()).empty(), "an error that says nothing");

@@ -21,14 +21,7 @@ namespace sslv {
 
 /// What of a camera's frames is kept in memory.
 struct RecordedFrames {
-  enum class Images {
-    kWhole,
-    kEveryNth,
-    kFound,  // a whole one now and then, and of the others the parts around what has a colour of a pattern or
-             // ball
-  };
   std::shared_ptr<ImageRing> ring;  // null: nothing is kept
-  Images images = Images::kWhole;
   int every_nth = 1;
 };
 
@@ -60,22 +53,15 @@ class RecordedCamera final : public FrameObserver {
   /// A setup that the camera has from now on, before it gets it; `config`: that it is of; null: the same as
   /// the setup before. Gives it its number.
   void note(CameraSetup& setup, std::shared_ptr<const Config> config);
-  struct Setup {
-    std::shared_ptr<const CameraSetup> setup;
-    std::shared_ptr<const Config> config;
-  };
-  /// Nothing: it was forgotten.
-  std::optional<Setup> setup(std::uint32_t number) const;
-  /// The same for a clip.
-  std::optional<ClipSetup> setup_for_clip(std::uint32_t number) const;
   /// Setups before it are not asked for any more.
   void forget_before(std::uint32_t number);
 
  private:
-  static constexpr int kTilePx = 32;
-  std::optional<ClipSetup> for_clip(const Setup& setup) const;
+  struct Setup {
+    std::shared_ptr<const CameraSetup> setup;
+    std::shared_ptr<const Config> config;
+  };
   void put_into_ring(const Setup& setup);
-  std::size_t mark_tiles(const Frame& frame) noexcept;
 
   const int id_;
   const DetectionSender& sender_;
@@ -84,16 +70,13 @@ class RecordedCamera final : public FrameObserver {
   std::atomic<std::uint64_t> frames_seen_{0}, bytes_seen_{0};
 
   // The camera thread's.
-  std::vector<std::byte> memory_;       // of the stages, before this frame
-  std::size_t memory_bytes_ = 0;        // of it; 0: it is not kept with this frame
-  std::vector<std::byte> tiles_, key_;  // marked in this frame; where colours were in the last whole image
-  ImageView key_view_;                  // its size and format
-  std::int64_t next_key_ns_ = 0;        // when memory and a whole image are kept again
-  ImageRing* ring_ = nullptr;           // that the last frame went to
-  RecordedFrames::Images images_ = RecordedFrames::Images::kWhole;
+  std::vector<std::byte> memory_;  // of the stages, before this frame
+  std::size_t memory_bytes_ = 0;   // of it; 0: it is not kept with this frame
+  std::int64_t next_key_ns_ = 0;   // when memory is kept again
+  ImageRing* ring_ = nullptr;      // that the last frame went to
   const Pipeline* pipeline_ = nullptr;
   std::uint64_t count_ = 0;
-  bool is_kept_ = false, is_key_ = false;  // this frame
+  bool is_kept_ = false;  // this frame
 
   mutable std::mutex mutex_;  // guards the rest
   std::vector<Setup> setups_;

@@ -1,45 +1,48 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "clips/clip.h"
 #include "clips/clip_writer.h"
+#include "services/recording/last_seconds.h"
 
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <optional>
 
 namespace sslv {
 
-/// One camera's part of a clip that is written: where it begins, which setups its frames need, and what is
-/// missing.
+/// One camera's part of a clip that is written: which of the ring's frames are in it, the setups they need,
+/// and what is missing.
 class ClipCamera {
  public:
-  /// What frames with that number were processed with; none: nobody knows any more.
-  using SetupOf = std::function<std::optional<ClipSetup>(std::uint32_t number)>;
-  /// `every_nth`: which frames are kept on purpose.
-  ClipCamera(int id, int every_nth, SetupOf setup_of)
-      : id_(id), every_nth_(static_cast<std::uint32_t>(every_nth)), setup_of_(std::move(setup_of)) {}
+  /// `every_nth`: which frames were kept on purpose.
+  ClipCamera(LastSeconds::Ring ring, int every_nth);
 
-  /// The next frame. False: it is not for the clip, because nothing it needs is there. Throws StorageError.
-  bool write(ClipWriter& writer, const ClipFrame& frame);
-  /// The frame before the next one was lost: parts need a whole image again.
-  void lack_one() { lacks_whole_ = true; }
-  /// Throws StorageError.
-  void note_missing(ClipWriter& writer, std::uint64_t frames);
+  ImageRing& ring() { return *from_.ring; }
+  /// Of all frames that are held, and those to come within so many seconds.
+  double expected_bytes(double seconds) const;
 
-  bool has_begun() const { return has_begun_; }
+  /// Writes the ring's oldest held frame and lets it go. False: it is not for the clip, because what it needs
+  /// is not there. Throws StorageError.
+  bool write_oldest(ClipWriter& writer);
+  /// Frames that find no room in the ring from now on are not of the clip.
+  void end_now();
+  /// Notes those that found no room before. Throws StorageError.
+  void note_dropped(ClipWriter& writer);
+
+  bool has_begun() const { return last_number_.has_value(); }
+  double newest_s() const { return newest_s_; }  // when the newest of the clip was captured, Unix time
   std::uint64_t missing() const { return missing_; }
 
  private:
-  const int id_;
+  void note_missing(ClipWriter& writer, std::uint64_t frames);
+
+  const LastSeconds::Ring from_;
   const std::uint32_t every_nth_;
-  const SetupOf setup_of_;
-  std::map<std::uint32_t, std::uint32_t> setups_;  // its number -> place in the clip
+  const std::uint64_t dropped_before_;
+  std::optional<std::uint64_t> dropped_at_end_;
+  std::map<std::uint32_t, std::uint32_t> setups_;  // number of the camera's -> of the clip's
   std::optional<std::uint32_t> last_number_;       // of the frame before
-  bool has_begun_ = false;
-  bool lacks_whole_ = true;  // the image that parts are of
-  ImageView whole_;          // its size and format
+  double newest_s_ = 0;
   std::uint64_t missing_ = 0;
 };
 

@@ -5,18 +5,17 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/log.h"
-#include "config/version.h"
+#include "clips/clip_reader.h"
 #include "health/metrics_text.h"
 #include "recording/match_events.h"
-#include "replay/clip_setup.h"
 #include "services/recording/recording_report.h"
 #include "services/recording/recording_request.h"
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <exception>
+#include <filesystem>
 #include <limits>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -24,41 +23,18 @@
 namespace sslv {
 namespace {
 
-constexpr std::chrono::milliseconds kOrderInterval{200}, kNextFrames{20};
+constexpr std::chrono::milliseconds kOrderInterval{200};
 constexpr double kShareInterval_s = 1;
-/// Stages' memory is kept so often, and with it a whole image where others are kept in parts; a clip begins
-/// where it is.
-constexpr double kKeyInterval_s = 0.3, kWholeInterval_s = 1.1;
-/// For frames that are still on their way when the clip ends.
-constexpr double kLateFrames_s = 0.3;
+/// Stages' memory is kept so often; a clip begins where it is.
+constexpr double kKeyInterval_s = 0.3;
 constexpr double kKeptEvents_s = 1300;
 constexpr std::size_t kMaxEvents = 1000;
 constexpr double kFailureIsTold_s = 600;
-/// Part of the names of clips of crashes, and how far they are apart.
-constexpr const char* kCrashName = "crash";
+/// Between clips of crashes.
 constexpr std::chrono::seconds kCrashClipInterval{60};
-constexpr std::size_t kMostCrashClips = 3;  // besides those that are pinned
+constexpr std::size_t kMaxCrashClips = 3;  // besides those that are pinned
 /// Between two clips for alerts of one kind.
 constexpr double kAlertAgain_s = 60;
-constexpr std::uint64_t kCheckDiskEvery = 64'000'000;  // bytes
-/// A match log must never end because a clip took the last of the room.
-constexpr int kReserve_mb = 200;
-
-/// Nothing is held back from match logs where they have little room anyway.
-RecordingSettings with_reserve(RecordingSettings settings) {
-  const int reserve_mb = std::min(kReserve_mb, settings.quota_mb / 4);
-  settings.quota_mb -= reserve_mb;
-  settings.keep_free_mb += reserve_mb;
-  return settings;
-}
-
-int every_nth_of(const LastSecondsSettings& settings) {
-  return settings.images == LastSecondsSettings::Images::kEveryNth ? settings.every_nth : 1;
-}
-
-std::int64_t to_ns(double steady_s) {
-  return std::llround(steady_s * 1e9);
-}
 
 Json clip_json(const RecordingFile& file) {
   Json out{
@@ -81,6 +57,7 @@ ClipService::ClipService(const Snapshot<Config>& config, RecordingFiles& files, 
       files_(files),
       referee_(referee),
       last_seconds_(cameras),
+      maker_(config, files, events_),
       is_writing_(!left.empty()),
       left_(std::move(left)),
       thread_([this](const std::stop_token& stop) {
@@ -104,7 +81,7 @@ void ClipService::work(const std::stop_token& stop) {
   }
 }
 
-std::optional<ClipService::Order> ClipService::next_order(const std::stop_token& stop) {
+std::optional<ClipOrder> ClipService::next_order(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   ordered_.wait_for(lock, stop, kOrderInterval, [&] { return order_.has_value(); });
   if (!order_) return std::nullopt;
@@ -112,7 +89,7 @@ std::optional<ClipService::Order> ClipService::next_order(const std::stop_token&
   return std::exchange(order_, std::nullopt);
 }
 
-bool ClipService::put(Order order) {
+bool ClipService::put(ClipOrder order) {
   {
     const std::lock_guard lock(mutex_);
     if (order_ || is_writing_) return false;
@@ -136,6 +113,7 @@ void ClipService::order_for_event(bool is_wanted, const std::string& kind, const
   const double now_s = steady_s();
   // What happens while one is written stands in that one's list of events.
   put({.name = kind,
+       .kind = kind,
        .why = text,
        .begin_s = now_s - settings.seconds,
        .end_s = now_s + settings.seconds_after});
@@ -180,17 +158,17 @@ void ClipService::look_at_game() {
 
 /// What the cameras saw before the service crashed.
 void ClipService::write_left(std::vector<KeptFile> files, const std::stop_token& stop) {
-  LeftRings left(std::move(files));
   std::string told;
-  if (left.extent().frames > 0) {
-    told = "The service crashed and runs again";
-    if (config_.load()->recording.clips.on_crash) {
-      told += had_crash_clip() ? "; a clip of a crash was made less than a minute ago"
-                               : write_crash_clip(left, stop);
+  {
+    const LastSeconds::Left left = LastSeconds::left_rings(std::move(files));
+    if (!left.rings.empty()) {
+      told = "The service crashed and runs again";
+      if (config_.load()->recording.clips.on_crash) told += write_crash_clip(left, stop);
+    } else if (left.was_read) {
+      told =
+          "The service crashed again while it wrote a clip of a crash, and runs again; there is no clip of "
+          "it";
     }
-  } else if (left.was_read()) {
-    told =
-        "The service crashed again while it wrote a clip of a crash, and runs again; there is no clip of it";
   }
   if (!told.empty()) log::warning("{}", told);
   const std::lock_guard lock(mutex_);
@@ -199,239 +177,94 @@ void ClipService::write_left(std::vector<KeptFile> files, const std::stop_token&
   crash_s_ = steady_s();
 }
 
-/// Those that were written last come first.
-std::vector<RecordingFile> ClipService::crash_clips() const {
+/// Those that were written last come first. What a clip was made for stands in it: people may name theirs as
+/// they like.
+std::vector<RecordingFile> ClipService::crash_clips(const std::stop_token& stop) const {
   std::vector<RecordingFile> out = files_.list(RecordingFile::Kind::kClip);
-  std::erase_if(out, [](const RecordingFile& file) {
-    return file.name.find(fmt::format("_{}.", kCrashName)) == std::string::npos &&
-           file.name.find(fmt::format("_{}_", kCrashName)) == std::string::npos;
+  std::erase_if(out, [&](const RecordingFile& file) {
+    try {
+      return ClipReader(files_.path_of(file.name), stop).about().kind != kCrashClip;
+    } catch (const ClipError&) {
+      return true;
+    }
   });
   return out;
 }
 
-/// A service that crashes again and again is not to do nothing but write clips.
-bool ClipService::had_crash_clip() const {
-  std::error_code error;
-  for (const RecordingFile& file : crash_clips()) {
+/// How that went, as the second half of a sentence.
+std::string ClipService::write_crash_clip(const LastSeconds::Left& left, const std::stop_token& stop) {
+  // A service that crashes again and again is neither to do nothing but write clips, nor to fill the disk.
+  std::size_t kept = 0;
+  for (const RecordingFile& file : crash_clips(stop)) {
+    std::error_code error;
     const auto written = std::filesystem::last_write_time(files_.path_of(file.name), error);
     const auto age = std::filesystem::file_time_type::clock::now() - written;
-    if (!error && age >= age.zero() && age < kCrashClipInterval) return true;
-  }
-  return false;
-}
-
-/// Nor to fill the disk, from which match logs would go.
-void ClipService::keep_few_crash_clips() {
-  std::size_t kept = 0;
-  for (const RecordingFile& file : crash_clips()) {
-    if (file.is_pinned || ++kept < kMostCrashClips) continue;
+    if (!error && age >= age.zero() && age < kCrashClipInterval)
+      return "; a clip of a crash was made less than a minute ago";
+    if (file.is_pinned || ++kept < kMaxCrashClips) continue;
     if (files_.remove(file.name)) log::info("recording {} was removed: it is of an earlier crash", file.name);
   }
-}
-
-/// How that went, as the second half of a sentence.
-std::string ClipService::write_crash_clip(LeftRings& left, const std::stop_token& stop) {
-  const std::shared_ptr<const Config> config = config_.load();
-  const double ahead_s = unix_time_s() - steady_s();  // of the steady clock is the other
-  const Order order{.name = kCrashName,
-                    .why = "the service crashed",
-                    .begin_s = static_cast<double>(left.extent().oldest_ns) * 1e-9,
-                    .end_s = static_cast<double>(left.extent().newest_ns) * 1e-9};
-  std::filesystem::path file;
-  std::string problem;
-  bool is_finished = false;
-  try {
-    keep_few_crash_clips();
-    files_.make_room(with_reserve(config->recording), events_, left.extent().bytes);
-    file = files_.begin(order.name, RecordingFile::Kind::kClip);
-    {
-      const std::lock_guard lock(mutex_);
-      clip_ = {.file = file.filename().string(), .why = order.why};
-    }
-    ClipWriter writer(file, {.site = config->site,
-                             .version = kVersion,
-                             .why = order.why,
-                             .begin_s = order.begin_s + ahead_s,
-                             .end_s = order.end_s + ahead_s});
-    while (!stop.stop_requested() && left.write_next(writer, every_nth_of(config->recording.last_seconds))) {
-      const std::lock_guard lock(mutex_);
-      clip_.frames = left.frames();
-      clip_.missing = left.missing();
-      clip_.bytes = writer.bytes();
-    }
-    if (stop.stop_requested()) throw StorageError("the service was stopped");
-    if (left.frames() == 0) throw StorageError("no camera has images that can be used");
-    writer.add(ClipEvent{left.newest_s(), "alert", "The service crashed"});
-    writer.finish();
-    is_finished = true;
-  } catch (const std::exception& error) {
-    problem = error.what();
-  }
-  try {
-    if (!file.empty()) files_.end(file, is_finished);
-    // Who starts next makes a whole one.
-    const bool is_for_later = !is_finished && stop.stop_requested();
-    if (is_for_later) left.put_back();
-    if (!file.empty() && (left.frames() == 0 || is_for_later)) files_.remove(file.filename().string());
-  } catch (const StorageError& error) {
-    log::warning("{}", error.what());
-  }
-  const std::string name = file.filename().string();
-  if (!is_finished && left.frames() > 0) return fmt::format("; clip {} is not whole: {}", name, problem);
-  if (!is_finished) return fmt::format("; there is no clip of it: {}", problem);
-  log::info("clip {} was written: {} frames, {} missing ({})", name, left.frames(), left.missing(),
-            order.why);
-  events_.add({.id = "clip_written", .title = fmt::format("Clip {} was written: {}", name, order.why)});
-  return fmt::format("; clip {} shows what the cameras saw before", name);
-}
-
-void ClipService::write(Order order, const std::stop_token& stop) {
-  std::vector<Source> sources;
-  double bytes = 0;
-  const LastSecondsSettings kept = last_seconds_.status().settings;
-  const bool is_in_parts = kept.images == LastSecondsSettings::Images::kFound;
-  const int every_nth = every_nth_of(kept);
-  order.begin_s -= is_in_parts ? kWholeInterval_s : kKeyInterval_s;
-  for (LastSeconds::Ring& ring : last_seconds_.rings()) {
-    // At once: what is held is not overwritten while the file is made.
-    ring.ring->hold(to_ns(order.begin_s), to_ns(order.end_s));
+  ClipOrder order{.name = std::string(kCrashClip),
+                  .kind = std::string(kCrashClip),
+                  .why = "the service crashed",
+                  .begin_s = steady_s(),
+                  .end_s = 0,
+                  .can_wait = true};
+  constexpr double kRounding_s = 1e-3;
+  for (const LastSeconds::Ring& ring : left.rings) {
     const ImageRing::Extent extent = ring.ring->extent();
-    const double held_s =
-        std::min(static_cast<double>(extent.newest_ns - extent.oldest_ns) * 1e-9, steady_s() - order.begin_s);
-    bytes += std::min(ring.bytes_per_s * std::max(0.0, held_s), static_cast<double>(ring.ring->bytes())) +
-             ring.bytes_per_s * std::max(0.0, order.end_s - steady_s());
-    auto setup_of = [camera = ring.camera](std::uint32_t number) { return camera->setup_for_clip(number); };
-    ClipCamera camera(ring.camera_id, every_nth, std::move(setup_of));
-    sources.push_back(
-        {.from = std::move(ring), .camera = std::move(camera), .dropped_before = extent.dropped});
+    order.begin_s = std::min(order.begin_s, static_cast<double>(extent.oldest_ns) * 1e-9 - kRounding_s);
+    order.end_s = std::max(order.end_s, static_cast<double>(extent.newest_ns) * 1e-9 + kRounding_s);
   }
-  std::filesystem::path file;
-  std::string problem;
-  bool is_finished = false;
-  try {
-    files_.make_room(with_reserve(config_.load()->recording), events_, static_cast<std::uint64_t>(bytes));
-    file = files_.begin(order.name, RecordingFile::Kind::kClip);
-    {
-      const std::lock_guard lock(mutex_);
-      clip_ = {.file = file.filename().string(), .why = order.why};
-    }
-    const double ahead_s = unix_time_s() - steady_s();  // of the steady clock is the other
-    ClipWriter writer(file, {.site = config_.load()->site,
-                             .version = kVersion,
-                             .why = order.why,
-                             .begin_s = order.begin_s + ahead_s,
-                             .end_s = order.end_s + ahead_s});
-    write_frames(order, writer, sources, stop);
-    finish(order, writer, sources);
-    is_finished = true;
-  } catch (const std::exception& error) {
-    problem = error.what();
-    log::error("the clip is not written: {}", problem);
+  const auto tell = [this](const ClipProgress& progress) {
+    const std::lock_guard lock(mutex_);
+    clip_ = progress;
+  };
+  const auto happened = [](double newest_s) {
+    return std::vector<ClipEvent>{{newest_s, "alert", "The service crashed"}};
+  };
+  const int every_nth = config_.load()->recording.last_seconds.kept_every();
+  const ClipProgress clip =
+      maker_.make(order, left.rings, every_nth, {.tell = tell, .wait = {}, .happened = happened}, stop);
+  if (clip.problem.empty()) return fmt::format("; clip {} shows what the cameras saw before", clip.file);
+  if (stop.stop_requested()) {
+    for (const LastSeconds::Ring& ring : left.rings) ring.ring->put_back();
+  } else if (clip.frames > 0) {
+    return fmt::format("; clip {} is not whole: {}", clip.file, clip.problem);
   }
-  for (Source& source : sources) source.from.ring->let_all_go();
-  try {
-    if (!file.empty()) files_.end(file, is_finished);
-    const bool is_empty = !problem.empty() && std::ranges::none_of(sources, [](const Source& source) {
-      return source.camera.has_begun();
-    });
-    if (!file.empty() && is_empty) files_.remove(file.filename().string());
-  } catch (const StorageError& error) {
-    log::warning("{}", error.what());
-  }
+  return fmt::format("; there is no clip of it: {}", clip.problem);
+}
+
+void ClipService::write(const ClipOrder& order, const std::stop_token& stop) {
+  const auto tell = [this](const ClipProgress& progress) {
+    const std::lock_guard lock(mutex_);
+    clip_ = progress;
+  };
+  ClipOrder from_key = order;
+  from_key.begin_s -= kKeyInterval_s;
+  ClipProgress clip =
+      maker_.make(from_key, last_seconds_.rings(), last_seconds_.status().settings.kept_every(),
+                  {.tell = tell,
+                   .wait = [this] { look_at_game(); },
+                   .happened = [&](double) { return happened_in(order); }},
+                  stop);
   const std::lock_guard lock(mutex_);
   is_writing_ = false;
-  if (!problem.empty()) clip_ = {.problem = problem, .problem_s = steady_s()};
+  if (clip.problem.empty()) return;
+  log::error("the clip is not written: {}", clip.problem);
+  clip_ = {.problem = std::move(clip.problem)};
+  problem_s_ = steady_s();
 }
 
-void ClipService::write_frames(const Order& order, ClipWriter& writer, std::vector<Source>& sources,
-                               const std::stop_token& stop) {
-  std::uint64_t checked_bytes = 0;
-  std::mutex idle;
-  std::condition_variable_any stopped;
-  for (;;) {
-    const double now_s = steady_s();
-    for (Source& source : sources) source.from.ring->hold(to_ns(order.begin_s), to_ns(order.end_s));
-    note_end(order, sources);
-    while (write_next(writer, sources)) {
-      note_end(order, sources);
-      if (writer.bytes() - checked_bytes > kCheckDiskEvery) {
-        checked_bytes = writer.bytes();
-        files_.make_room(with_reserve(config_.load()->recording), events_);
-      }
-      if (stop.stop_requested()) return;
-    }
-    look_at_game();
-    // Those that were not there when it was looked the last time are there now.
-    if (now_s > order.end_s + kLateFrames_s || stop.stop_requested()) return;
-    std::unique_lock lock(idle);
-    stopped.wait_for(lock, stop, kNextFrames, [] { return false; });
-  }
-}
-
-/// What finds no room once the clip's time is over is not of the clip.
-void ClipService::note_end(const Order& order, std::vector<Source>& sources) {
-  if (steady_s() < order.end_s) return;
-  for (Source& source : sources) {
-    if (!source.dropped_at_end) source.dropped_at_end = source.from.ring->extent().dropped;
-  }
-}
-
-/// The frame that arrived first of those that are held. False: there is none.
-bool ClipService::write_next(ClipWriter& writer, std::vector<Source>& sources) {
-  Source* first = nullptr;
-  std::int64_t first_ns = 0;
-  for (Source& source : sources) {
-    const ClipFrame* const frame = source.from.ring->oldest_held();
-    if (frame == nullptr || (first != nullptr && frame->info.times.arrived_ns >= first_ns)) continue;
-    first = &source;
-    first_ns = frame->info.times.arrived_ns;
-  }
-  if (first == nullptr) return false;
-  const ClipFrame& frame = *first->from.ring->oldest_held();
-  const std::uint64_t missing = first->camera.missing();
-  const bool is_written = first->camera.write(writer, frame);
-  first->from.ring->let_go();
+std::vector<ClipEvent> ClipService::happened_in(const ClipOrder& order) const {
+  std::vector<ClipEvent> out;
+  const double ahead_s = unix_time_s() - steady_s();  // offset from steady to Unix time
   const std::lock_guard lock(mutex_);
-  if (is_written) ++clip_.frames;
-  clip_.missing += first->camera.missing() - missing;
-  clip_.bytes = writer.bytes();
-  return true;
-}
-
-void ClipService::finish(const Order& order, ClipWriter& writer, std::vector<Source>& sources) {
-  const bool is_empty =
-      std::ranges::none_of(sources, [](const Source& source) { return source.camera.has_begun(); });
-  if (is_empty) throw StorageError("no camera has images of that time in memory");
-  // Those that found no room while it was written, and after which none was kept.
-  for (Source& source : sources) {
-    const std::uint64_t dropped =
-        source.dropped_at_end.value_or(source.from.ring->extent().dropped) - source.dropped_before;
-    const std::uint64_t missing = dropped - std::min(dropped, source.camera.missing());
-    source.camera.note_missing(writer, missing);
-    const std::lock_guard lock(mutex_);
-    clip_.missing += missing;
+  for (const ClipEvent& event : recent_) {
+    if (event.time_s >= order.begin_s + ahead_s - 1 && event.time_s <= order.end_s + ahead_s + 1)
+      out.push_back(event);
   }
-  std::vector<ClipEvent> events;
-  {
-    const std::lock_guard lock(mutex_);
-    const double ahead_s = unix_time_s() - steady_s();
-    for (const ClipEvent& event : recent_) {
-      if (event.time_s >= order.begin_s + ahead_s - 1 && event.time_s <= order.end_s + ahead_s + 1)
-        events.push_back(event);
-    }
-  }
-  for (const ClipEvent& event : events) writer.add(event);
-  writer.finish();
-  Clip done;
-  {
-    const std::lock_guard lock(mutex_);
-    clip_.bytes = writer.bytes();
-    done = clip_;
-  }
-  log::info("clip {} was written: {} frames, {} missing, {} bytes ({})", done.file, done.frames, done.missing,
-            done.bytes, order.why);
-  events_.add(
-      {.id = "clip_written", .title = fmt::format("Clip {} was written", done.file), .who = order.who});
+  return out;
 }
 
 std::vector<Route> ClipService::routes() {
@@ -506,6 +339,7 @@ Response ClipService::make_clip(const Request& request) {
   }
   const double now_s = steady_s();
   if (!put({.name = name,
+            .kind = std::string(kKeptClip),
             .why = "kept by hand",
             .who = request.address,
             .begin_s = now_s - before_s,
@@ -557,7 +391,7 @@ void ClipService::report(HealthReport& report) const {
   if (facts.is_there) facts.seconds = least_s;
   {
     const std::lock_guard lock(mutex_);
-    if (steady_s() - clip_.problem_s < kFailureIsTold_s) facts.clip_problem = clip_.problem;
+    if (steady_s() - problem_s_ < kFailureIsTold_s) facts.clip_problem = clip_.problem;
     if (steady_s() - crash_s_ < kFailureIsTold_s) facts.crash = crash_;
   }
   report_last_seconds(facts, report);

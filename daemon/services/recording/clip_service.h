@@ -4,19 +4,15 @@
 #include "base/kept_files.h"
 #include "base/snapshot.h"
 #include "clips/clip.h"
-#include "clips/clip_writer.h"
 #include "config/config.h"
 #include "net/referee_listener.h"
-#include "services/recording/clip_camera.h"
+#include "services/recording/clip_maker.h"
 #include "services/recording/last_seconds.h"
-#include "services/recording/left_rings.h"
 #include "services/recording/recording_files.h"
 #include "services/service.h"
 
 #include <condition_variable>
-#include <cstdint>
 #include <deque>
-#include <filesystem>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -47,47 +43,18 @@ class ClipService final : public Service {
   std::vector<Event> take_events() override { return events_.take(); }
 
  private:
-  /// A clip that is to be written.
-  struct Order {
-    std::string name;       // part of the file's name
-    std::string why;        // for people
-    std::string who{};      // the client's address; empty: nobody
-    double begin_s, end_s;  // on the steady clock
-  };
-  /// How the newest clip stands.
-  struct Clip {
-    std::string file{};
-    std::string why{};
-    std::uint64_t bytes = 0, frames = 0, missing = 0;
-    std::string problem{};  // why it could not be written
-    double problem_s = 0;   // when that was, on the steady clock
-  };
-  /// One camera of the clip that is written.
-  struct Source {
-    LastSeconds::Ring from;
-    ClipCamera camera;
-    std::uint64_t dropped_before = 0;
-    std::optional<std::uint64_t> dropped_at_end{};  // when the clip's time was over
-  };
-
   void work(const std::stop_token& stop);
   void write_left(std::vector<KeptFile> files, const std::stop_token& stop);
-  std::string write_crash_clip(LeftRings& left, const std::stop_token& stop);
-  std::vector<RecordingFile> crash_clips() const;
-  bool had_crash_clip() const;
-  void keep_few_crash_clips();
-  std::optional<Order> next_order(const std::stop_token& stop);
+  std::string write_crash_clip(const LastSeconds::Left& left, const std::stop_token& stop);
+  std::vector<RecordingFile> crash_clips(const std::stop_token& stop) const;
+  std::optional<ClipOrder> next_order(const std::stop_token& stop);
   void look_at_game();
   /// False: one is being written or waits already.
-  bool put(Order order);
+  bool put(ClipOrder order);
   void order_for_event(bool is_wanted, const std::string& kind, const std::string& text);
   void note_event(const std::string& kind, const std::string& text);
-  void write(Order order, const std::stop_token& stop);
-  void write_frames(const Order& order, ClipWriter& writer, std::vector<Source>& sources,
-                    const std::stop_token& stop);
-  static void note_end(const Order& order, std::vector<Source>& sources);
-  bool write_next(ClipWriter& writer, std::vector<Source>& sources);
-  void finish(const Order& order, ClipWriter& writer, std::vector<Source>& sources);
+  void write(const ClipOrder& order, const std::stop_token& stop);
+  std::vector<ClipEvent> happened_in(const ClipOrder& order) const;
 
   Json to_json() const;
   Response make_clip(const Request& request);
@@ -101,10 +68,12 @@ class ClipService final : public Service {
   const RefereeListener& referee_;
   LastSeconds last_seconds_;
   EventQueue events_;
+  ClipMaker maker_;
   mutable std::mutex mutex_;  // guards those up to `ordered_`
-  std::optional<Order> order_;
+  std::optional<ClipOrder> order_;
   bool is_writing_ = false;
-  Clip clip_;
+  ClipProgress clip_;             // the newest
+  double problem_s_ = 0;          // when it failed, on the steady clock
   std::string crash_;             // that the service crashed, and which clip shows it; empty: it did not
   double crash_s_ = 0;            // when that was known, on the steady clock
   std::deque<ClipEvent> recent_;  // what happened lately, for clips

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "services/recording/last_seconds.h"
 
-#include "base/kept_files.h"
 #include "base/log.h"
 #include "base/params_json.h"
 #include "health/memory_left.h"
@@ -9,8 +8,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <charconv>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -28,16 +30,30 @@ constexpr double kMayDiffer = 0.3;
 /// Of the memory that is left: the rest is for the rest of the service and of the computer.
 constexpr double kOfWhatIsLeft = 0.5;
 
-/// The service manager keeps its memory until the ring ends, so also after a crash.
+/// The service manager keeps its memory by that name until the ring ends, so also after a crash.
+std::shared_ptr<ImageRing> kept_as(const std::string& name, std::unique_ptr<ImageRing> ring) {
+  return {ring.release(), [name](ImageRing* ending) {
+            if (!ending->is_put_back()) forget_file(name);
+            delete ending;
+          }};
+}
+
 std::shared_ptr<ImageRing> kept_ring(int camera_id, std::size_t bytes, const std::stop_token& stop) {
   static std::atomic<unsigned> count{0};
   const std::string name = fmt::format("{}{}-{}", LastSeconds::kKeptName, camera_id, ++count);
-  std::shared_ptr<ImageRing> ring(new ImageRing(bytes, stop), [name](ImageRing* ending) {
-    if (ending->fd() >= 0) forget_file(name);
-    delete ending;
-  });
-  if (ring->fd() >= 0) keep_file(name, ring->fd());
+  auto ring = kept_as(name, std::make_unique<ImageRing>(bytes, stop));
+  keep_file(name, ring->fd());
   return ring;
+}
+
+/// The camera that such a name tells; not what frames tell, which may be damaged.
+std::optional<int> camera_in(std::string_view name) {
+  if (!name.starts_with(LastSeconds::kKeptName)) return std::nullopt;
+  name.remove_prefix(std::string_view(LastSeconds::kKeptName).size());
+  int id = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), id);
+  const bool is_name = error == std::errc() && end != name.data() + name.size() && *end == '-' && id >= 0;
+  return is_name ? std::optional(id) : std::nullopt;
 }
 
 bool same(const LastSecondsSettings& a, const LastSecondsSettings& b) {
@@ -158,13 +174,24 @@ void LastSeconds::share_out(std::map<int, Known>& known, std::uint64_t bytes, co
 }
 
 void LastSeconds::hand_over(const Known& known) const {
-  RecordedFrames frames{.ring = known.ring, .every_nth = settings_.every_nth};
-  switch (settings_.images) {
-    case LastSecondsSettings::Images::kWhole: frames.images = RecordedFrames::Images::kWhole; break;
-    case LastSecondsSettings::Images::kEveryNth: frames.images = RecordedFrames::Images::kEveryNth; break;
-    case LastSecondsSettings::Images::kFound: frames.images = RecordedFrames::Images::kFound; break;
+  known.camera->keep({.ring = known.ring, .every_nth = settings_.kept_every()});
+}
+
+LastSeconds::Left LastSeconds::left_rings(std::vector<KeptFile> files) {
+  Left out;
+  for (KeptFile& kept : files) {
+    const auto id = camera_in(kept.name);
+    try {
+      if (!id) throw ClipError("its name is none of last seconds");
+      auto ring = kept_as(kept.name, std::make_unique<ImageRing>(std::move(kept.file)));
+      if (ring->extent().frames > 0) out.rings.push_back({.camera_id = *id, .ring = std::move(ring)});
+    } catch (const ClipError& error) {
+      out.was_read = out.was_read || dynamic_cast<const RingWasRead*>(&error) != nullptr;
+      log::info("memory of the run before, {}, is not used: {}", kept.name, error.what());
+      forget_file(kept.name);
+    }
   }
-  known.camera->keep(std::move(frames));
+  return out;
 }
 
 std::vector<LastSeconds::Ring> LastSeconds::rings() const {
@@ -172,12 +199,12 @@ std::vector<LastSeconds::Ring> LastSeconds::rings() const {
   const std::lock_guard lock(mutex_);
   for (const auto& [id, known] : known_) {
     if (!known.ring) continue;
-    // Of images in parts less is kept than comes.
+    // Of every n-th image less is kept than comes.
     const ImageRing::Extent extent = known.ring->extent();
     const double seconds = static_cast<double>(extent.newest_ns - extent.oldest_ns) * 1e-9;
     const double kept_per_s =
         seconds > 0 ? static_cast<double>(known.ring->bytes()) / seconds : known.bytes_per_s;
-    out.push_back({id, known.camera, known.ring, std::min(known.bytes_per_s, kept_per_s)});
+    out.push_back({id, known.ring, std::min(known.bytes_per_s, kept_per_s)});
   }
   return out;
 }

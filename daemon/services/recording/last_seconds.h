@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/clock.h"
+#include "base/kept_files.h"
 #include "clips/image_ring.h"
 #include "recording/recording_settings.h"
 #include "services/cameras/cameras.h"
@@ -20,7 +21,7 @@ namespace sslv {
 /// reach back as far. look() and rings() are for one thread, that of clips; the rest for any.
 class LastSeconds {
  public:
-  /// So begin the names under which the service manager keeps the memory: see LeftRing.
+  /// So begin the names under which the service manager keeps the memory, also when the service crashes.
   static constexpr const char* kKeptName = "last_seconds-";
 
   /// `cameras` must outlive this.
@@ -32,12 +33,20 @@ class LastSeconds {
 
   struct Ring {
     int camera_id = 0;
-    std::shared_ptr<RecordedCamera> camera;
     std::shared_ptr<ImageRing> ring;
-    double bytes_per_s = 0;  // that it puts there, or less than that: at most what comes
+    double bytes_per_s = 0;  // that its camera puts there, or less than that
   };
   /// Those that have memory.
   std::vector<Ring> rings() const;
+
+  /// What the cameras saw last before the service crashed: all memory that the service manager kept of an
+  /// earlier run, as far as there are frames in it. The manager forgets it with the ring, unless that was put
+  /// back.
+  struct Left {
+    std::vector<Ring> rings;
+    bool was_read = false;  // a service crashed while it read what the one before had left
+  };
+  static Left left_rings(std::vector<KeptFile> files);
 
   struct CameraStatus {
     int id = 0;

@@ -24,6 +24,10 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxName = 200;
 constexpr int kMaxOfOneName = 1000;
+/// Of the quota and of the free disk, that clips leave to match logs.
+constexpr int kReserve_mb = 200;
+/// Between two tries to read a recording that cannot be read.
+constexpr double kFirstRetry_s = 10, kLastRetry_s = 600;
 constexpr const char* kClipEnding = ".clip";
 
 bool ends_with(const std::string& text, std::string_view end) {
@@ -191,61 +195,77 @@ DiskUse RecordingFiles::disk_use() const {
   return use;
 }
 
-std::vector<RecordingFiles::Removable> RecordingFiles::removable() const {
+RecordingFiles::Removables RecordingFiles::removable(RoomFor whom, std::uint64_t most_of_a_log) const {
   // By when they were written, not by their names: others put recordings here too, and a clock may have been
   // wrong.
-  std::vector<Removable> out;
+  Removables out;
+  fs::file_time_type newest_log = fs::file_time_type::min();
   for (const std::string& name : names()) {
     std::error_code error;
     const fs::path path = folder_ / name;
-    if (is_open(name) || fs::exists(pin_of(path), error)) continue;
-    out.push_back({fs::last_write_time(path, error), name, size_of(path) + size_of(index_file_of(path))});
+    const fs::file_time_type written = fs::last_write_time(path, error);
+    const std::uint64_t bytes = size_of(path) + size_of(index_file_of(path));
+    if (!is_clip(path) && written > newest_log) {
+      newest_log = written;
+      out.newest_log_bytes = bytes;
+    }
+    if (!is_open(name) && !fs::exists(pin_of(path), error))
+      out.all.push_back({written, name, bytes, is_clip(path)});
   }
-  std::ranges::sort(out, {}, [](const Removable& one) { return std::pair(one.written, one.name); });
+  std::erase_if(out.all, [&](const Removable& one) {
+    return !one.is_clip && (whom == RoomFor::kOtherClip || one.written == newest_log);
+  });
+  std::ranges::sort(out.all, {}, [&](const Removable& one) {
+    const bool is_late = !one.is_clip && one.bytes <= most_of_a_log;
+    return std::tuple(is_late, one.is_clip, one.written, one.name);
+  });
   return out;
 }
 
-std::vector<std::string> RecordingFiles::make_room(std::uint64_t quota_bytes) {
-  std::uint64_t used_bytes = disk_use().used_bytes;
-  std::vector<std::string> removed;
-  for (const Removable& one : removable()) {
-    if (used_bytes <= quota_bytes) break;
-    remove(one.name);
-    used_bytes -= std::min(used_bytes, one.bytes);
-    removed.push_back(one.name);
-  }
-  return removed;
-}
-
-void RecordingFiles::make_room(const RecordingSettings& settings, EventQueue& events,
-                               std::uint64_t wanted_bytes) {
-  const std::uint64_t quota = static_cast<std::uint64_t>(settings.quota_mb) * kMb;
-  const std::uint64_t keep_free = static_cast<std::uint64_t>(settings.keep_free_mb) * kMb;
-  if (wanted_bytes > quota) {
-    throw StorageError(fmt::format("it would take {} MB, and recordings may take {} MB (/recording/quota_mb)",
-                                   wanted_bytes / kMb, settings.quota_mb));
-  }
-  // Nothing is removed when that would not be enough.
+std::string RecordingFiles::make_room(const RecordingSettings& settings, RoomFor whom, EventQueue& events,
+                                      std::uint64_t wanted_bytes) {
+  const std::lock_guard one_at_a_time(room_mutex_);
+  // A match log must never end because a clip took the last of the room; where they have little room anyway,
+  // little of it is held back.
+  const int reserve_mb = whom == RoomFor::kMatchLog ? 0 : std::min(kReserve_mb, settings.quota_mb / 4);
+  const std::uint64_t quota = static_cast<std::uint64_t>(settings.quota_mb - reserve_mb) * kMb;
+  const std::uint64_t keep_free =
+      (static_cast<std::uint64_t>(settings.keep_free_mb) + static_cast<std::uint64_t>(reserve_mb)) * kMb;
+  const std::uint64_t most_of_a_log = static_cast<std::uint64_t>(settings.quota_mb) * kMb / 2;
   const DiskUse use = disk_use();
-  std::uint64_t stays = use.used_bytes;
-  for (const Removable& one : removable()) stays -= std::min(stays, one.bytes);
-  if (stays + wanted_bytes > quota)
-    throw StorageError(
-        fmt::format("recordings take the {} MB that they may (/recording/quota_mb), and none of them "
-                    "can be removed",
-                    settings.quota_mb));
-  const std::uint64_t may_take = quota - wanted_bytes;
-  const std::uint64_t goes = use.used_bytes - std::min(use.used_bytes, may_take);
-  if (use.free_bytes + goes < keep_free + wanted_bytes)
+  const Removables removables = removable(whom, most_of_a_log);
+  const std::uint64_t takes = use.used_bytes + wanted_bytes;
+  const std::uint64_t counted =
+      takes - (removables.newest_log_bytes - std::min(removables.newest_log_bytes, most_of_a_log));
+  std::uint64_t gained = 0;
+  std::vector<std::string> goes;
+  for (const Removable& one : removables.all) {
+    if (counted - gained <= quota) break;
+    gained += std::min(counted - gained, one.bytes);
+    goes.push_back(one.name);
+  }
+  if (counted - gained > quota) {  // then nothing goes
+    gained = 0;
+    goes.clear();
+  }
+  std::string problem;
+  if (takes - gained > quota)
+    problem = fmt::format(
+        "recordings {} {} MB, and may take {} MB (/recording/quota_mb); no more of them can be removed",
+        wanted_bytes > 0 ? "would take" : "take", takes / kMb, quota / kMb);
+  if (!problem.empty() && whom != RoomFor::kMatchLog) throw StorageError(problem);
+  if (use.free_bytes + gained < keep_free + wanted_bytes)
     throw StorageError(
         fmt::format("only {} MB of the disk are free, of which recordings leave {} MB "
                     "(/recording/keep_free_mb)",
                     use.free_bytes / kMb, settings.keep_free_mb));
-  for (const std::string& name : make_room(may_take)) {
+  for (const std::string& name : goes) {
+    if (!remove(name)) continue;
     log::info("recording {} was removed to make room", name);
     events.add(
         {.id = "recording_removed", .title = fmt::format("Recording {} was removed to make room", name)});
   }
+  return problem;
 }
 
 /// What stands beside a recording goes with it, also when somebody removed only that.
@@ -273,7 +293,7 @@ void RecordingFiles::look_at_log(const fs::path& path, Known& now, const std::st
   now.problem = now.index->problem;
 }
 
-void RecordingFiles::look_after(const std::stop_token& stop) {
+void RecordingFiles::look_after(const std::stop_token& stop, double now_s) {
   const std::vector<std::string> all = names();
   remove_orphans();
   {
@@ -293,8 +313,10 @@ void RecordingFiles::look_after(const std::stop_token& stop) {
     {
       const std::lock_guard lock(mutex_);
       const auto known = known_.find(name);
-      if (known != known_.end() && known->second.bytes == now.bytes && known->second.written == now.written)
-        continue;
+      if (known != known_.end() && known->second.bytes == now.bytes && known->second.written == now.written) {
+        if (now_s < known->second.again_s) continue;
+        now.wait_s = known->second.wait_s;
+      }
     }
     try {
       if (is_clip(path)) {
@@ -308,6 +330,9 @@ void RecordingFiles::look_after(const std::stop_token& stop) {
     } catch (const std::exception& failure) {
       if (stop.stop_requested()) return;
       now.problem = failure.what();
+      // The disk may have been full, or somebody changes the file's permissions.
+      now.wait_s = std::clamp(2 * now.wait_s, kFirstRetry_s, kLastRetry_s);
+      now.again_s = now_s + now.wait_s;
     }
     now.bytes = size_of(path);
     now.written = fs::last_write_time(path, error);

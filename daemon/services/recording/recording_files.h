@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -50,6 +51,16 @@ struct DiskUse {
   std::uint64_t free_bytes = 0;  // that the service may use
 };
 
+/// Whom room is made for. Clips go before match logs, and of either what was written longest ago first. What
+/// is pinned or being written stays, and so does the newest match log. Strangers may have filled a log of
+/// more than half the quota: nothing goes for what it has beyond that, and it goes first once there is a
+/// newer one.
+enum class RoomFor {
+  kMatchLog,    // it may exceed the quota where nothing can go for it
+  kWantedClip,  // by a person, or after a crash
+  kOtherClip,   // all match logs stay
+};
+
 /// The folder with recordings. A match log is NAME.log.gz or NAME.log, a clip NAME.clip; beside it may stand
 /// a log's index (.index), a mark that it is pinned (.pinned), and one that it is not finished yet
 /// (.unfinished). May be used from any thread.
@@ -81,15 +92,15 @@ class RecordingFiles {
   bool remove(const std::string& name);
 
   DiskUse disk_use() const;
-  /// Removes recordings that are complete and not pinned, those that were written longest ago first, until
-  /// they take no more than that. Their names. Throws StorageError.
-  std::vector<std::string> make_room(std::uint64_t quota_bytes);
-  /// The same, and tells of what was removed. Throws StorageError also when the settings leave no room for
-  /// another recording, of so many bytes, whatever is removed; then nothing is.
-  void make_room(const RecordingSettings& settings, EventQueue& events, std::uint64_t wanted_bytes = 0);
+  /// Removes recordings until one of so many bytes more has room, and tells of each; nothing where that would
+  /// not be enough. Throws StorageError where a clip would exceed the quota, or the disk must stay free;
+  /// returns why a match log would exceed the quota, empty when it would not.
+  std::string make_room(const RecordingSettings& settings, RoomFor whom, EventQueue& events,
+                        std::uint64_t wanted_bytes = 0);
 
-  /// Makes logs whole that were not finished, and indexes that are missing. May take long.
-  void look_after(const std::stop_token& stop);
+  /// Makes logs whole that were not finished, and indexes that are missing. May take long. What fails is
+  /// tried again, less and less often. `now_s`: on a steady clock.
+  void look_after(const std::stop_token& stop, double now_s);
 
  private:
   struct Known {
@@ -98,19 +109,27 @@ class RecordingFiles {
     std::shared_ptr<const MatchLogIndex> index;
     std::shared_ptr<const ClipFacts> clip;
     std::string problem;
+    double wait_s = 0;  // until it is tried again, which is at again_s
+    double again_s = std::numeric_limits<double>::infinity();
   };
   struct Removable {
     std::filesystem::file_time_type written;
     std::string name;
     std::uint64_t bytes = 0;
+    bool is_clip = false;
   };
-  std::vector<Removable> removable() const;  // what was written longest ago comes first
+  struct Removables {
+    std::vector<Removable> all;          // in the order in which they go
+    std::uint64_t newest_log_bytes = 0;  // which is none of them
+  };
+  Removables removable(RoomFor whom, std::uint64_t most_of_a_log) const;
   std::vector<std::string> names() const;
   bool is_open(const std::string& name) const;
   void look_at_log(const std::filesystem::path& path, Known& now, const std::stop_token& stop) const;
   void remove_orphans() const;
 
   const std::filesystem::path folder_;
+  std::mutex room_mutex_;             // room is made for one at a time
   mutable std::mutex mutex_;          // guards the next two; not held while a file is read
   std::set<std::string> open_names_;  // of those that are written
   std::map<std::string, Known> known_;

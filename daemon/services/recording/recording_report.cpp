@@ -32,6 +32,8 @@ void report_recording(const RecordingFacts& facts, HealthReport& report) {
          "Put that right, then press Record on the page Recordings.");
   } else if (!facts.no_room_problem.empty()) {
     warn("recording_disk", fmt::format("No match can be recorded: {}", facts.no_room_problem), kMakeRoom);
+  } else if (!facts.quota_problem.empty()) {
+    warn("recording_disk", fmt::format("Too much is kept: {}", facts.quota_problem), kMakeRoom);
   }
   if (!facts.left_out.empty() && facts.problem.empty() && !facts.is_recording && !facts.is_by_hand) {
     warn("recording_stopped", fmt::format("This match is not recorded: {}", facts.left_out),
@@ -42,6 +44,14 @@ void report_recording(const RecordingFacts& facts, HealthReport& report) {
          fmt::format("The match log lacks {} messages: the disk was too slow, or too much was sent",
                      facts.lost),
          "Use a faster disk, or record on another computer.");
+  }
+  if (facts.refused > 0) {
+    warn("recording_refused",
+         fmt::format(
+             "The match log leaves out {} datagrams that somebody sends to the field's groups: they are "
+             "none of the league's messages, or more than a field sends",
+             facts.refused),
+         "Find the program that sends them, and take it off the field's network.");
   }
   Check check{"recording", "Match log", CheckState::kPass, kNoFigure, "", ""};
   if (facts.is_recording) {

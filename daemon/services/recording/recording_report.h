@@ -14,8 +14,10 @@ struct RecordingFacts {
   bool is_by_hand = false;      // nobody but people start it
   std::uint64_t bytes = 0;      // of the log that is recorded
   std::uint64_t lost = 0;       // messages that it lacks
+  std::uint64_t refused = 0;    // datagrams that were none of the league's, or more than a field sends
   std::string problem;          // why the last one ended early or could not begin
   std::string no_room_problem;  // why none could begin now
+  std::string quota_problem;    // why recordings take more than they may
   std::string left_out;         // why the match that runs is not recorded any more; empty: it may be
 };
 

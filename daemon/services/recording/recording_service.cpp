@@ -86,8 +86,9 @@ RecordingService::RecordingService(const Snapshot<Config>& config, RecordingFile
       referee_(referee),
       files_(files),
       keeper_([this](const std::stop_token& stop) {
-        become_idle_thread("log index");
-        repeat(kFilesInterval, stop, [&] { files_.look_after(stop); });
+        // Not an idle one: others wait for the lock that it takes now and then.
+        become_background_thread("log index", 19);
+        repeat(kFilesInterval, stop, [&] { files_.look_after(stop, steady_s()); });
       }),
       thread_([this](const std::stop_token& stop) { look(stop); }) {}
 
@@ -164,15 +165,11 @@ void RecordingService::follow_game_controller() {
   set_recording(after);
 }
 
-void RecordingService::make_room() {
-  files_.make_room(config_.load()->recording, events_);
-}
-
 void RecordingService::check_disk() {
   const std::lock_guard control(control_mutex_);
-  std::string problem;
+  std::string problem, quota_problem;
   try {
-    make_room();
+    quota_problem = files_.make_room(config_.load()->recording, RoomFor::kMatchLog, events_);
   } catch (const StorageError& error) {
     problem = error.what();
     if (recording().started_by != StartedBy::kNobody) {
@@ -182,11 +179,12 @@ void RecordingService::check_disk() {
     }
   }
   const std::lock_guard lock(mutex_);
-  no_room_problem_ = problem;
+  no_room_problem_ = std::move(problem);
+  quota_problem_ = std::move(quota_problem);
 }
 
 void RecordingService::begin(StartedBy by, const std::string& name) {
-  make_room();
+  files_.make_room(config_.load()->recording, RoomFor::kMatchLog, events_);
   const std::filesystem::path file = files_.begin(name);
   try {
     recorder_.begin(file);
@@ -210,8 +208,8 @@ void RecordingService::end(const std::string& problem) {
   } catch (const StorageError& error) {
     log::warning("{}", error.what());  // it is looked at again, and is whole
   }
-  log::info("match log {} ends: {} messages, {} bytes, {} lost", before.name(),
-            status.vision + status.referee + status.tracked, status.bytes, status.lost);
+  log::info("match log {} ends: {} messages, {} bytes, {} lost, {} refused", before.name(),
+            status.vision + status.referee + status.tracked, status.bytes, status.lost, status.refused);
   events_.add({.id = "recording_ended", .title = fmt::format("Match log {} ended", before.name())});
   const std::string& why = problem.empty() ? status.problem : problem;
   if (!why.empty()) leave_match_out(kEndedEarly);
@@ -261,6 +259,7 @@ Json RecordingService::to_json() const {
         {"messages", is_recording ? messages_json(status.vision, status.referee, status.tracked)
                                   : messages_json(0, 0, 0)},
         {"lost", is_recording ? status.lost : 0},
+        {"refused", is_recording ? status.refused : 0},
         {"error", is_recording || !now.problem.empty() ? now.problem : left_out}}},
       {"disk",
        {{"used_bytes", disk.used_bytes},
@@ -340,6 +339,7 @@ void RecordingService::report(HealthReport& report) const {
     facts.is_paused = recording_.is_paused;
     facts.problem = recording_.problem;
     facts.no_room_problem = no_room_problem_;
+    facts.quota_problem = quota_problem_;
     facts.left_out = left_out_;
   }
   facts.is_by_hand = config_.load()->recording.match_logs == RecordingSettings::MatchLogs::kByHand;
@@ -347,6 +347,7 @@ void RecordingService::report(HealthReport& report) const {
     const MatchLogRecorder::Status status = recorder_.status();
     facts.bytes = status.bytes;
     facts.lost = status.lost;
+    facts.refused = status.refused;
   }
   report_recording(facts, report);
 }
@@ -356,6 +357,9 @@ void RecordingService::write_metrics(MetricsText& out) const {
   out.add({}, std::uint64_t{recording().started_by == StartedBy::kNobody ? 0U : 1U});
   out.begin("sslv_match_log_lost_messages", "gauge", "Messages that the match log lacks.");
   out.add({}, recorder_.status().lost);
+  out.begin("sslv_match_log_refused_messages", "gauge",
+            "Datagrams that the match log leaves out: none of the league's, or more than a field sends.");
+  out.add({}, recorder_.status().refused);
 }
 
 }  // namespace sslv

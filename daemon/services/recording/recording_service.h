@@ -56,8 +56,6 @@ class RecordingService final : public Service {
   // With control_mutex_ held:
   void begin(StartedBy by, const std::string& name);
   void end(const std::string& problem = {});
-  /// Throws StorageError when there is none.
-  void make_room();
   /// The match that runs is not recorded again, for this reason.
   void leave_match_out(const std::string& why);
 
@@ -82,6 +80,7 @@ class RecordingService final : public Service {
   mutable std::mutex mutex_;  // guards the next ones
   Recording recording_;
   std::string no_room_problem_;   // why no log could begin; empty when one could
+  std::string quota_problem_;     // why recordings take more than their quota; empty when they do not
   std::string left_out_;          // why the match that runs is not recorded any more; empty: it may be
   std::jthread keeper_, thread_;  // last: they use the others
 };

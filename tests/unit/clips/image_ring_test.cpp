@@ -7,13 +7,14 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cstring>
 #include <limits>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 namespace sslv {
 namespace {
@@ -103,25 +104,47 @@ TEST(ImageRing, ATimeThatIsNoNumberCostsNoFrameThatCanDoWithout) {
   EXPECT_EQ(ring.extent().dropped, 1U);
 }
 
-TEST(ImageRing, KeepsTheMarkedTiles) {
+TEST(ImageRing, ASlotHoldsTheBlockOfAClip) {
   ImageRing ring(kRingBytes);
   const OwnedImage image = noise_image(PixelFormat::kUyvy, 70, 50, 1, 6);
-  const ClipTiles tiles{70, 50, 32};
-  std::vector<std::byte> map(tiles.map_bytes());
-  map[0] = std::byte{0b100100};  // the third of the first row, the third of the second
-  ClipFrame frame = numbered(1, image.view);
-  frame.tile_px = 32;
-  frame.tiles = map;
+  const auto packet = bytes_of("sent");
+  ClipFrame frame = numbered(5, image.view);
+  frame.packet = packet;
   ASSERT_TRUE(ring.put(frame));
-  ring.hold(0, 10'000'000'000);
-  const ClipFrame* got = ring.oldest_held();
-  ASSERT_NE(got, nullptr);
-  EXPECT_EQ(got->tile_px, 32);
-  tiles.each_row(got->tiles, [&](int x, int y, int pixels) {
-    EXPECT_EQ(std::memcmp(got->image.row(y) + 2 * x, image.view.row(y) + 2 * x,
-                          2 * static_cast<std::size_t>(pixels)),
-              0);
-  });
+  std::vector<std::byte> memory(ring_mapped_bytes(ring.bytes()));
+  ASSERT_EQ(::pread(ring.fd(), memory.data(), memory.size(), 0), static_cast<ssize_t>(memory.size()));
+  const auto& slot = *reinterpret_cast<const RingSlot*>(memory.data() + kRingPage);
+  const auto block = std::span(memory).subspan(kRingBlocksAt + slot.begin, slot.bytes);
+  const auto head = block_head_of(block.first<kClipBlockBytes>());
+  ASSERT_TRUE(head);
+  EXPECT_EQ(head->type, static_cast<std::uint32_t>(ClipBlock::kFrame));
+  EXPECT_EQ(head->camera_id, 3U);
+  EXPECT_EQ(head->bytes, kClipFrameBytes + 4 + 2 * 70 * 50);
+  const auto frame_head = frame_head_of(block.subspan(kClipBlockBytes).first<kClipFrameBytes>(), head->bytes);
+  ASSERT_TRUE(frame_head);
+  EXPECT_EQ(frame_head->info.number, 5U);
+  EXPECT_EQ(frame_head->image_bytes, 2U * 70 * 50);
+}
+
+TEST(ImageRing, TellsWhatIsHeldAndWhatItWasProcessedWith) {
+  ImageRing ring(kRingBytes);
+  const OwnedImage image = noise_image(PixelFormat::kMono8, 100, 100, 1);
+  for (std::uint32_t number = 1; number <= 5; ++number) ASSERT_TRUE(ring.put(numbered(number, image.view)));
+  EXPECT_EQ(ring.held_bytes(), 0U);
+  ring.hold(2'000'000, 4'000'000);
+  EXPECT_EQ(ring.held_bytes(), 3U * (kClipBlockBytes + kClipFrameBytes + 10'000));
+  ring.put_setup(7, {.camera_id = 3, .about = {{"a", 1}}, .table = bytes_of("table")});
+  const auto payload = ring.setup(7);
+  const auto parts = setup_in(payload);
+  ASSERT_TRUE(parts);
+  EXPECT_EQ(parts->number, 7U);
+  EXPECT_TRUE(std::ranges::equal(parts->json, bytes_of(R"({"a":1})")));
+  EXPECT_TRUE(std::ranges::equal(parts->table, bytes_of("table")));
+  EXPECT_TRUE(ring.setup(8).empty());
+  EXPECT_TRUE(ring.setup(7 + kRingSetups).empty()) << "its place has another's";
+  ring.forget_setups_before(8);
+  EXPECT_TRUE(ring.setup(7).empty());
+  EXPECT_THROW(ring.put_setup(9, {.table = std::vector<std::byte>(kMaxClipTableBytes + 1)}), ClipError);
 }
 
 TEST(ImageRing, TheOldestMakeRoom) {

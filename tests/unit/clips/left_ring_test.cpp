@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "clips/left_ring.h"
-
-#include "base/clock.h"
-#include "clips/clip_reader.h"
+//
+// What an ImageRing of a process that crashed leaves to the next one.
+#include "clips/clip_format.h"
 #include "clips/image_ring.h"
 #include "support/clip_images.h"
 
-#include <algorithm>
 #include <csignal>
-#include <cstring>
+#include <cstddef>
 #include <functional>
+#include <limits>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <fcntl.h>
@@ -50,13 +50,7 @@ void fill(ImageRing& ring, std::uint32_t frames = 100) {
   for (std::uint32_t number = 0; number < frames; ++number) {
     if (number % 10 == 0) ring.put_setup(number / 10, left_setup(number / 10));
     const OwnedImage image = left_image(number);
-    ClipFrame frame = left_frame(number, image.view);
-    const std::vector<std::byte> map{std::byte{0b10100101}};  // 4 x 2 tiles
-    if (number % 3 == 1) {
-      frame.tile_px = 32;
-      frame.tiles = map;
-    }
-    ring.put(frame);
+    ring.put(left_frame(number, image.view));
   }
 }
 
@@ -90,19 +84,24 @@ OpenFile left_by(const std::function<void(ImageRing&)>& process) {
   return out;
 }
 
+void hold_all(ImageRing& ring) {
+  ring.hold(0, std::numeric_limits<std::int64_t>::max());
+}
+
 /// Reads all there is; as many frames.
-std::size_t read_all(LeftRing& ring) {
+std::size_t read_all(ImageRing& ring) {
   std::size_t frames = 0;
   unsigned seen = 0;
-  while (const ClipFrame* frame = ring.oldest()) {
+  hold_all(ring);
+  while (const ClipFrame* frame = ring.oldest_held()) {
     ++frames;
     EXPECT_TRUE(frame->image.empty() ||
                 is_valid_size(frame->image.format, frame->image.width, frame->image.height));
     for (const std::uint8_t pixel : pixels_of(frame->image)) seen += pixel;
-    for (const auto part : {frame->packet, frame->memory, frame->tiles})
+    for (const auto part : {frame->packet, frame->memory})
       for (const std::byte byte : part) seen += std::to_integer<unsigned>(byte);
-    if (const auto setup = ring.setup(frame->setup)) seen += static_cast<unsigned>(setup->table.size());
-    ring.drop_oldest();
+    seen += static_cast<unsigned>(ring.setup(frame->setup).size());
+    ring.let_go();
   }
   EXPECT_NE(seen, 1U);
   return frames;
@@ -110,7 +109,7 @@ std::size_t read_all(LeftRing& ring) {
 
 std::string why_not_read(OpenFile file) {
   try {
-    const LeftRing ring(std::move(file));
+    const ImageRing ring(std::move(file));
   } catch (const ClipError& error) {
     return error.what();
   }
@@ -118,37 +117,43 @@ std::string why_not_read(OpenFile file) {
 }
 
 TEST(LeftRing, HasWhatAKilledProcessLeft) {
-  LeftRing ring(left_by([](ImageRing& one) { fill(one, 200); }));
-  EXPECT_GT(ring.extent().frames, 50U);
-  EXPECT_LT(ring.extent().frames, 150U) << "the ring was full";
-  EXPECT_EQ(ring.extent().newest_ns, 200);
-  EXPECT_GT(ring.extent().bytes, kLeftBytes / 2);
-  const auto first = static_cast<std::uint32_t>(200 - ring.extent().frames);
-  EXPECT_EQ(ring.extent().oldest_ns, first + 1);
+  ImageRing ring(left_by([](ImageRing& one) { fill(one, 200); }));
+  const ImageRing::Extent extent = ring.extent();
+  EXPECT_GT(extent.frames, 50U);
+  EXPECT_LT(extent.frames, 150U) << "the ring was full";
+  EXPECT_EQ(extent.newest_ns, 200);
+  const auto first = static_cast<std::uint32_t>(200 - extent.frames);
+  EXPECT_EQ(extent.oldest_ns, first + 1);
+  hold_all(ring);
+  EXPECT_GT(ring.held_bytes(), kLeftBytes / 2);
   for (std::uint32_t number = first; number < 200; ++number) {
-    const ClipFrame* frame = ring.oldest();
+    const ClipFrame* frame = ring.oldest_held();
     ASSERT_NE(frame, nullptr);
     EXPECT_EQ(frame->info.number, number);
     EXPECT_EQ(frame->info.camera_id, 3U);
     EXPECT_EQ(frame->info.times.t_capture_s, 1000 + number);
     EXPECT_EQ(frame->info.times.t_capture_sigma_s, .002);
     EXPECT_EQ(frame->info.times.arrived_ns, number + 1);
-    const OwnedImage image = left_image(number);
-    if (frame->tile_px == 0) {
-      EXPECT_EQ(pixels_of(frame->image), pixels_of(image.view));
-    } else {
-      EXPECT_EQ(std::memcmp(frame->image.row(3), image.view.row(3), 64), 0) << "the first tile is there";
-    }
-    const auto setup = ring.setup(frame->setup);
-    ASSERT_TRUE(setup);
-    EXPECT_EQ(setup->camera_id, 3);
-    EXPECT_EQ(setup->about, left_setup(number / 10).about);
-    EXPECT_EQ(setup->table, left_setup(number / 10).table);
-    ring.drop_oldest();
+    EXPECT_EQ(pixels_of(frame->image), pixels_of(left_image(number).view));
+    const auto payload = ring.setup(frame->setup);
+    const auto parts = setup_in(payload);
+    ASSERT_TRUE(parts);
+    const ClipSetup setup = left_setup(number / 10);
+    EXPECT_EQ(std::string(reinterpret_cast<const char*>(parts->json.data()), parts->json.size()),
+              setup.about.dump());
+    EXPECT_TRUE(std::ranges::equal(parts->table, setup.table));
+    ring.let_go();
   }
-  EXPECT_EQ(ring.oldest(), nullptr);
-  EXPECT_FALSE(ring.setup(20)) << "no frame had it";
-  EXPECT_FALSE(ring.setup(kRingSetups)) << "its place has another's";
+  EXPECT_EQ(ring.oldest_held(), nullptr);
+  EXPECT_TRUE(ring.setup(20).empty()) << "no frame had it";
+}
+
+TEST(LeftRing, WhatWasHeldWhenTheProcessEndedIsThere) {
+  ImageRing ring(left_by([](ImageRing& one) {
+    fill(one);
+    hold_all(one);
+  }));
+  EXPECT_EQ(read_all(ring), ring.extent().frames);
 }
 
 TEST(LeftRing, IsEmptyWhenTheProcessEndedWell) {
@@ -169,7 +174,7 @@ TEST(LeftRing, IsReadOnce) {
   fill(ring);
   OpenFile again = another(ring), stays = another(ring);
   {
-    LeftRing left(another(ring));
+    const ImageRing left(another(ring));
     EXPECT_GT(left.extent().frames, 0U);
     EXPECT_THAT(why_not_read(std::move(again)), HasSubstr("that read it crashed"))
         << "as after a crash in between";
@@ -183,11 +188,12 @@ TEST(LeftRing, IsThereAgainWhenItWasPutBack) {
   ImageRing ring(kLeftBytes);
   fill(ring);
   {
-    LeftRing left(another(ring));
-    left.drop_oldest();
+    ImageRing left(another(ring));
+    hold_all(left);
+    left.let_go();
     left.put_back();
   }
-  LeftRing again(another(ring));
+  ImageRing again(another(ring));
   EXPECT_EQ(read_all(again), again.extent().frames);
 }
 
@@ -206,7 +212,7 @@ TEST(LeftRing, RefusesWhatIsNoSuchMemory) {
   EXPECT_THAT(with(4, 0), HasSubstr("another version"));
   for (const std::uint64_t bytes : {std::uint64_t{0}, std::uint64_t{64}, std::uint64_t{kLeftBytes} * 2,
                                     ~std::uint64_t{0}, ~std::uint64_t{63}})
-    EXPECT_THAT(with(offsetof(RingHead, image_bytes), bytes), HasSubstr("its size")) << bytes;
+    EXPECT_THAT(with(offsetof(RingHead, room), bytes), HasSubstr("its size")) << bytes;
 }
 
 TEST(LeftRing, SetupsThatNoFrameNeedsTakeNoMemory) {
@@ -235,7 +241,7 @@ class DamagedLeftRing : public testing::Test {
     damage(static_cast<std::byte*>(memory), bytes);
     ::munmap(memory, bytes);
     try {
-      LeftRing ring(std::move(file));
+      ImageRing ring(std::move(file));
       return read_all(ring);
     } catch (const ClipError&) {
       return 0;
@@ -250,7 +256,7 @@ TEST_F(DamagedLeftRing, GivesWhatIsStillGood) {
   for (int round = 0; round < 60; ++round) {
     const std::size_t frames = frames_with([&](std::byte* memory, std::size_t bytes) {
       // Some bits anywhere, in the slots or in the head.
-      const std::size_t within = round % 3 == 0 ? bytes : round % 3 == 1 ? kRingImagesAt / 32 : 64;
+      const std::size_t within = round % 3 == 0 ? bytes : round % 3 == 1 ? kRingBlocksAt / 32 : 64;
       for (int i = 0; i < 1 + round; ++i)
         memory[16 + chance() % (within - 16)] ^= std::byte{1} << chance() % 8;
     });
@@ -263,10 +269,10 @@ TEST_F(DamagedLeftRing, SurvivesNoise) {
   for (int round = 0; round < 20; ++round) {
     frames_with([&](std::byte* memory, std::size_t bytes) {
       // All frames, all slots, or the numbers of frames.
-      const std::size_t from = round % 3 == 0   ? kRingImagesAt
+      const std::size_t from = round % 3 == 0   ? kRingBlocksAt
                                : round % 3 == 1 ? kRingPage
                                                 : offsetof(RingHead, begin);
-      const std::size_t to = round % 3 == 0 ? bytes : round % 3 == 1 ? kRingImagesAt : kRingPage;
+      const std::size_t to = round % 3 == 0 ? bytes : round % 3 == 1 ? kRingBlocksAt : kRingPage;
       for (std::size_t at = from; at < to; ++at) memory[at] = std::byte(chance());
     });
   }
@@ -275,7 +281,7 @@ TEST_F(DamagedLeftRing, SurvivesNoise) {
 TEST_F(DamagedLeftRing, SlotsThatPointElsewhereGiveNoFrame) {
   for (const std::uint64_t value : {std::uint64_t{0}, std::uint64_t{kLeftBytes} - 64, ~std::uint64_t{0},
                                     ~std::uint64_t{0} - 200, std::uint64_t{1} << 63U}) {
-    for (std::uint64_t RingSlot::*field : {&RingSlot::begin, &RingSlot::bytes, &RingSlot::payload_bytes}) {
+    for (std::uint64_t RingSlot::*field : {&RingSlot::begin, &RingSlot::bytes}) {
       frames_with([&](std::byte* memory, std::size_t) {
         auto* const slots = reinterpret_cast<RingSlot*>(memory + kRingPage);
         for (std::size_t i = 0; i < 100; ++i) slots[i].*field = value;
@@ -285,18 +291,18 @@ TEST_F(DamagedLeftRing, SlotsThatPointElsewhereGiveNoFrame) {
 }
 
 TEST(LeftRing, DamagedSetupsAreNotThere) {
-  for (std::uint64_t at = 0; at < 1100; ++at) {
+  const std::size_t end =
+      kClipBlockBytes + kClipSetupBytes + left_setup(1).about.dump().size() + left_setup(1).table.size();
+  for (std::size_t at = 0; at < end + 100; ++at) {
     ImageRing ring(kLeftBytes);
     ring.put_setup(1, left_setup(1));
     const auto place = static_cast<off_t>(ring_setup_place(ring.bytes(), 1) + at);
     std::uint8_t byte = 0;
     ASSERT_EQ(::pread(ring.fd(), &byte, 1, place), 1);
     byte ^= static_cast<std::uint8_t>(1U << at % 8);
-    const std::size_t last = kRingSetupHeadBytes + left_setup(1).about.dump().size() + 1000;
-    const bool is_of_it = at < 28 || (at >= kRingSetupHeadBytes && at < last);
     ASSERT_EQ(::pwrite(ring.fd(), &byte, 1, place), 1);
-    const LeftRing left(another(ring));
-    EXPECT_EQ(left.setup(1).has_value(), !is_of_it) << at;
+    const ImageRing left(another(ring));
+    EXPECT_EQ(left.setup(1).empty(), at < end) << at;
   }
 }
 

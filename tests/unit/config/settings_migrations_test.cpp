@@ -95,11 +95,25 @@ TEST(OtherComputers, AreNamedByTheirAddresses) {
               ThrowsMessage<SettingsError>(HasSubstr("/field/other_computers: 17 entries are not allowed")));
 }
 
+TEST(SettingsMigrations, ImagesInPartsBecomeWholeOnes) {
+  for (const int version : {1, 2}) {
+    const auto images = [&](const char* value) {
+      const Json file{{"version", version},
+                      {"recording", {{"last_seconds", {{"images", value}, {"memory_mb", 7}}}}}};
+      return current(file)["recording"]["last_seconds"];
+    };
+    EXPECT_EQ(images("found"), (Json{{"images", "whole"}, {"memory_mb", 7}}));
+    EXPECT_EQ(images("every_nth"), (Json{{"images", "every_nth"}, {"memory_mb", 7}}));
+  }
+}
+
 TEST(SettingsMigrations, LeaveWhatIsOfAnotherTypeToTheCheck) {
   for (const char* text :
        {"[]", "7", R"({"field": 7})", R"({"field": {"other_computers": 7}})", R"({"cameras": {}})",
         R"({"cameras": [7, null]})", R"({"cameras": [{"follow_light": 7}]})",
-        R"({"cameras": [{"follow_light": []}]})"}) {
+        R"({"cameras": [{"follow_light": []}]})", R"({"recording": []})", R"({"recording": 7})",
+        R"({"recording": {"last_seconds": [{"images": "found"}]}})",
+        R"({"recording": {"last_seconds": {"images": 7}}})"}) {
     EXPECT_EQ(current(Json::parse(text)), Json::parse(text)) << text;
   }
 }

@@ -30,8 +30,7 @@ export function lastSecondsText(last: LastSeconds): string {
 }
 
 export function imagesText({ images, every_nth }: LastSeconds): string {
-  if (images === 'whole') return 'Whole images';
-  return images === 'every_nth' ? `Every ${ordinal(every_nth)} image` : 'Of most images only the parts where robots and balls may be';
+  return images === 'whole' ? 'Whole images' : `Every ${ordinal(every_nth)} image`;
 }
 const ordinal = (n: number) => `${n}${n % 100 >= 11 && n % 100 <= 13 ? 'th' : ['th', 'st', 'nd', 'rd'][n % 10] ?? 'th'}`;
 

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "services/cameras/running_camera.h"
 
+#include "base/json.h"
 #include "base/open_file.h"
+#include "clips/clip_format.h"
 #include "clips/image_ring.h"
-#include "clips/left_ring.h"
 #include "support/becomes.h"
 #include "support/paths.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -92,29 +97,15 @@ TEST_F(RunningCameraTest, OtherColoursEndTheLightTableOfTheEarlierOnes) {
   EXPECT_FALSE(camera_.change_light(accepted, adapted)) << "it was made for the earlier colours";
 }
 
-TEST_F(RunningCameraTest, ARecordingKnowsWhatEachSetupIs) {
-  const auto recorded = camera_.recorded();
-  ASSERT_TRUE(recorded->setup(context_number()));
-  EXPECT_EQ(recorded->setup(context_number())->config->cameras[0].id, 3);
-  auto change = get_ready(config_with({{"field", {{"field_length", 4321}}}}));
-  camera_.apply(change, {140, 150});
-  const auto second = recorded->setup(context_number());
-  ASSERT_TRUE(second);
-  EXPECT_EQ(second->config->field.field_length, 4321);
-  EXPECT_EQ(second->setup->context.scene, context().scene);
-  const auto accepted = context().accepted_lut;
-  ASSERT_TRUE(camera_.change_light(accepted, std::make_shared<const Lut>(*accepted)));
-  const auto third = recorded->setup(context_number());
-  ASSERT_TRUE(third);
-  EXPECT_EQ(third->config, second->config) << "the light is no change of settings";
-  EXPECT_EQ(third->setup->context.adapted_lut, context().adapted_lut);
-  recorded->forget_before(third->setup->number);
-  EXPECT_FALSE(recorded->setup(second->setup->number));
-  recorded->forget_before(1000);
-  EXPECT_TRUE(recorded->setup(third->setup->number)) << "it is in use";
+/// What a ring says of a setup; null: nothing.
+Json said_of(const ImageRing& ring, std::uint32_t number) {
+  const std::vector<std::byte> payload = ring.setup(number);
+  const auto parts = setup_in(payload);
+  if (!parts) return nullptr;
+  return Json::parse(std::string(reinterpret_cast<const char*>(parts->json.data()), parts->json.size()));
 }
 
-TEST_F(RunningCameraTest, ARingHasTheSetupsForWhoFindsItAfterACrash) {
+TEST_F(RunningCameraTest, ARingHasEachSetupAlsoAfterACrash) {
   const auto recorded = camera_.recorded();
   const std::uint32_t first = context_number();
   auto ring = std::make_shared<ImageRing>(std::size_t{1} << 20U);
@@ -122,17 +113,31 @@ TEST_F(RunningCameraTest, ARingHasTheSetupsForWhoFindsItAfterACrash) {
   recorded->keep({.ring = ring});
   auto change = get_ready(config_with({{"field", {{"field_length", 4321}}}}));
   camera_.apply(change, {140, 150});
-  const auto expected = recorded->setup_for_clip(context_number());
-  ASSERT_TRUE(expected);
-  const LeftRing left(std::move(file));
-  const auto before = left.setup(first), now = left.setup(context_number());
-  ASSERT_TRUE(before) << "it was there before the ring";
-  ASSERT_TRUE(now);
-  EXPECT_EQ(now->camera_id, 3);
-  EXPECT_EQ(now->about["settings"]["field"]["field_length"], 4321);
-  EXPECT_NE(before->about["settings"]["field"]["field_length"], 4321);
-  EXPECT_EQ(now->about, expected->about);
-  EXPECT_EQ(now->table, expected->table);
+  const std::uint32_t second = context_number();
+  const auto accepted = context().accepted_lut;
+  ASSERT_TRUE(camera_.change_light(accepted, std::make_shared<const Lut>(*accepted)));
+  const std::uint32_t third = context_number();
+  const ImageRing left(std::move(file));
+  const Json before = said_of(left, first), now = said_of(left, second);
+  ASSERT_TRUE(before.is_object()) << "it was there before the ring";
+  ASSERT_TRUE(now.is_object());
+  EXPECT_EQ(now["settings"]["cameras"][0]["id"], 3);
+  EXPECT_EQ(now["settings"]["field"]["field_length"], 4321);
+  EXPECT_NE(before["settings"]["field"]["field_length"], 4321);
+  EXPECT_EQ(said_of(left, third)["settings"], now["settings"]) << "the light is no change of settings";
+}
+
+TEST_F(RunningCameraTest, ARingKeepsTheSetupThatIsInUse) {
+  const auto recorded = camera_.recorded();
+  const std::uint32_t first = context_number();
+  auto ring = std::make_shared<ImageRing>(std::size_t{1} << 20U);
+  recorded->keep({.ring = ring});
+  auto change = get_ready(config_with({{"field", {{"field_length", 4321}}}}));
+  camera_.apply(change, {140, 150});
+  recorded->forget_before(context_number());
+  EXPECT_TRUE(said_of(*ring, first).is_null());
+  recorded->forget_before(1000);
+  EXPECT_TRUE(said_of(*ring, context_number()).is_object()) << "it is in use";
 }
 
 TEST_F(RunningCameraTest, ControlsThatAreSavedWhileItIsOpenedAreSetAllTheSame) {

@@ -3,11 +3,9 @@
 
 #include "config/stages.h"
 #include "support/clip_images.h"
+#include "support/no_cameras.h"
 
-#include <map>
 #include <memory>
-#include <optional>
-#include <stdexcept>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -15,31 +13,14 @@
 namespace sslv {
 namespace {
 
-/// Cameras of which only the last seconds are looked at.
-class OnlyRecorded final : public Cameras {
- public:
-  std::map<int, std::shared_ptr<RecordedCamera>> cameras;
-
-  std::map<int, std::shared_ptr<RecordedCamera>> recorded() const override { return cameras; }
-  std::vector<CameraNow> all() const override { return {}; }
-  CameraNow get(int) const override { throw std::logic_error("not asked for"); }
-  std::optional<LentFrame> wait_frame(int, std::uint64_t, std::chrono::milliseconds) override { return {}; }
-  bool change_light(int, const std::shared_ptr<const Lut>&, std::shared_ptr<const Lut>) override {
-    return false;
-  }
-  void add_observer(CameraObserver&) override {}
-  std::string hanging() const override { return {}; }
-  std::string missing() const override { return {}; }
-};
-
 class LastSecondsTest : public testing::Test {
  protected:
   LastSecondsTest() {
     setup_.pipeline =
         std::make_shared<Pipeline>(stage_table(), std::vector<std::string>{"segment"}, "/stack");
     for (const int id : {0, 1}) {
-      cameras_.cameras[id] = std::make_shared<RecordedCamera>(id, sender_);
-      cameras_.cameras[id]->note(setup_, nullptr);
+      cameras_.recorded_ones[id] = std::make_shared<RecordedCamera>(id, sender_);
+      cameras_.recorded_ones[id]->note(setup_, nullptr);
     }
     settings_.memory_mb = 16;
   }
@@ -48,8 +29,8 @@ class LastSecondsTest : public testing::Test {
     for (int id = 0; id < 2; ++id) {
       for (int i = 0; i < (id == 0 ? of_0 : of_1); ++i) {
         frame_.image = Image(image_.view, nullptr, nullptr, nullptr);
-        cameras_.cameras[id]->frame_begins(setup_);
-        cameras_.cameras[id]->frame_ends(frame_, setup_);
+        cameras_.recorded_ones[id]->frame_begins(setup_);
+        cameras_.recorded_ones[id]->frame_ends(frame_, setup_);
       }
     }
     last_seconds_.look(settings_, ++now_s_);
@@ -66,7 +47,7 @@ class LastSecondsTest : public testing::Test {
   CameraSetup setup_;
   OwnedImage image_ = noise_image(PixelFormat::kMono8, 320, 240, 1);
   Frame frame_;
-  OnlyRecorded cameras_;
+  test::NoCameras cameras_;
   LastSeconds last_seconds_{cameras_};
   LastSecondsSettings settings_;
   double now_s_ = 100;

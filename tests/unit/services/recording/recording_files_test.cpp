@@ -5,15 +5,15 @@
 #include "recording/match_log_writer.h"
 #include "support/temporary_folder.h"
 
-#include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cstddef>
 #include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 
 namespace sslv {
 namespace {
@@ -23,8 +23,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::UnorderedElementsAre;
-
-constexpr std::uint64_t kPlenty = std::uint64_t{1} << 60U;
 
 class RecordingFilesTest : public ::testing::Test {
  protected:
@@ -45,55 +43,178 @@ class RecordingFilesTest : public ::testing::Test {
     return out;
   }
 
+  /// Anything of so many MB, that was written so many hours ago; a log or a clip by its name.
+  void put(const std::string& name, int mb, int hours) const {
+    std::ofstream(files_.path_of(name), std::ios::binary) << "anything";
+    fs::resize_file(files_.path_of(name), static_cast<std::uintmax_t>(mb) * kMb);
+    fs::last_write_time(files_.path_of(name), fs::file_time_type::clock::now() - std::chrono::hours(hours));
+  }
+  /// What is removed so that so many MB more have room.
+  std::vector<std::string> goes_for(RoomFor whom, int wanted_mb = 0) {
+    problem_ = files_.make_room(settings_, whom, events_, static_cast<std::uint64_t>(wanted_mb) * kMb);
+    std::vector<std::string> out;
+    for (const Event& event : events_.take()) {
+      const std::string begin = "Recording ", end = " was removed to make room";
+      out.push_back(event.title.substr(begin.size(), event.title.size() - begin.size() - end.size()));
+      EXPECT_FALSE(fs::exists(files_.path_of(out.back())));
+    }
+    return out;
+  }
+  std::string refusal(RoomFor whom, int wanted_mb = 0) {
+    try {
+      files_.make_room(settings_, whom, events_, static_cast<std::uint64_t>(wanted_mb) * kMb);
+    } catch (const StorageError& error) {
+      EXPECT_THAT(events_.take(), IsEmpty());
+      return error.what();
+    }
+    return "it has room";
+  }
+
   test::TemporaryFolder folder_;
   RecordingFiles files_{folder_.path()};
+  EventQueue events_;
+  RecordingSettings settings_ = [] {
+    RecordingSettings settings;
+    settings.quota_mb = 100;
+    settings.keep_free_mb = 0;
+    return settings;
+  }();
+  std::string problem_;
 };
 
-TEST_F(RecordingFilesTest, MakesRoomWithTheOldestThatIsNotPinned) {
+TEST_F(RecordingFilesTest, ClipsGoBeforeMatchLogsAndOldOnesFirst) {
   // By when they were written: the name of one says something else, as that of another program's log may.
-  const auto now = fs::file_time_type::clock::now();
-  int hours = 0;
-  for (const char* name :
-       {"zz_of_others.log.gz", "2026-07-02_b.log.gz", "2026-07-03_c.log.gz", "2026-07-04_d.log.gz"}) {
-    write(name);
-    fs::last_write_time(files_.path_of(name), now - std::chrono::hours(10 - hours++));
-  }
+  put("zz_of_others.log.gz", 20, 9);
+  put("2026-07-02_b.log.gz", 20, 8);
+  put("2026-07-03_c.log.gz", 20, 7);
+  put("2026-07-04_a.clip", 20, 2);
+  put("2026-07-04_b.clip", 20, 1);
+  EXPECT_THAT(goes_for(RoomFor::kMatchLog), IsEmpty());
+  EXPECT_THAT(goes_for(RoomFor::kMatchLog, 10), ElementsAre("2026-07-04_a.clip"));
+  EXPECT_THAT(goes_for(RoomFor::kMatchLog, 50), ElementsAre("2026-07-04_b.clip", "zz_of_others.log.gz"));
   files_.pin("2026-07-02_b.log.gz", true);
-  EXPECT_THAT(files_.make_room(kPlenty), IsEmpty());
-  const std::uint64_t all = files_.disk_use().used_bytes;
-  EXPECT_GT(all, 40'000U);
-  EXPECT_THAT(files_.make_room(all - 1), ElementsAre("zz_of_others.log.gz"));
-  EXPECT_THAT(files_.make_room(all / 4 + 100), ElementsAre("2026-07-03_c.log.gz", "2026-07-04_d.log.gz"));
-  EXPECT_THAT(names(), ElementsAre("2026-07-02_b.log.gz"));
-  EXPECT_THAT(files_.make_room(0), IsEmpty()) << "what is pinned stays";
-  files_.pin("2026-07-02_b.log.gz", false);
-  EXPECT_THAT(files_.make_room(0), ElementsAre("2026-07-02_b.log.gz"));
-  EXPECT_TRUE(fs::is_empty(folder_.path())) << "nothing of them is left";
+  EXPECT_THAT(goes_for(RoomFor::kMatchLog, 60), IsEmpty());
+  EXPECT_THAT(names(), ElementsAre("2026-07-03_c.log.gz", "2026-07-02_b.log.gz"));
 }
 
-TEST_F(RecordingFilesTest, RemovesNothingWhereThatWouldNotBeEnough) {
-  write("a.log.gz");
-  write("b.log.gz");
-  EventQueue events;
-  RecordingSettings settings;
-  settings.keep_free_mb = 10'000'000;  // no disk has so much
-  EXPECT_THROW(files_.make_room(settings, events), StorageError);
-  settings.keep_free_mb = 0;
-  settings.quota_mb = 10;
-  EXPECT_THROW(files_.make_room(settings, events, 11 * kMb), StorageError);
-  EXPECT_THAT(names(), UnorderedElementsAre("a.log.gz", "b.log.gz"));
-  files_.make_room(settings, events, 10 * kMb);
-  EXPECT_THAT(names(), IsEmpty());
-  EXPECT_EQ(events.take().size(), 2U);
+TEST_F(RecordingFilesTest, WhatIsPinnedAndTheNewestLogStay) {
+  put("a.log.gz", 70, 9);
+  files_.pin("a.log.gz", true);
+  put("b.log.gz", 20, 8);
+  put("c.log.gz", 40, 7);
+  EXPECT_THAT(goes_for(RoomFor::kMatchLog), IsEmpty()) << "they would not be enough";
+  EXPECT_EQ(
+      problem_,
+      "recordings take 130 MB, and may take 100 MB (/recording/quota_mb); no more of them can be removed");
+  put("c.log.gz", 20, 7);
+  EXPECT_THAT(goes_for(RoomFor::kMatchLog), ElementsAre("b.log.gz"));
+  EXPECT_EQ(problem_, "");
+  settings_.quota_mb = 10;
+  EXPECT_THAT(goes_for(RoomFor::kMatchLog), IsEmpty());
+  EXPECT_THAT(names(), ElementsAre("c.log.gz", "a.log.gz"));
+}
+
+/// With all of the quota pinned, the log of the match that runs goes on, and stays when the match is over.
+TEST_F(RecordingFilesTest, TheLogOfTheMatchThatRunsHasTheHighestRank) {
+  put("a.log.gz", 100, 9);
+  files_.pin("a.log.gz", true);
+  EXPECT_THAT(goes_for(RoomFor::kMatchLog), IsEmpty());
+  const fs::path log = files_.begin("match");
+  put(log.filename().string(), 50, 0);
+  for (int check = 0; check < 3; ++check) {
+    EXPECT_THAT(goes_for(RoomFor::kMatchLog), IsEmpty());
+    EXPECT_THAT(problem_, HasSubstr("recordings take 150 MB"));
+    if (check == 1) files_.end(log, true);
+  }
+  EXPECT_TRUE(fs::exists(log));
+}
+
+/// More than half of the quota in one log is not a match's alone.
+TEST_F(RecordingFilesTest, NothingGoesForALogThatStrangersFilled) {
+  put("a.log.gz", 30, 9);
+  put("a.clip", 20, 8);
+  const fs::path log = files_.begin("match");
+  const std::string name = log.filename().string();
+  put(name, 60, 1);
+  EXPECT_THAT(goes_for(RoomFor::kMatchLog), IsEmpty());
+  EXPECT_THAT(problem_, HasSubstr("recordings take 110 MB"));
+  EXPECT_THAT(refusal(RoomFor::kWantedClip), HasSubstr("recordings take 110 MB"));
+  files_.end(log, true);
+  EXPECT_THAT(goes_for(RoomFor::kMatchLog), IsEmpty()) << "after the match, too";
+  put("next.log.gz", 1, 0);
+  EXPECT_THAT(goes_for(RoomFor::kMatchLog), ElementsAre(name)) << "it goes before all others";
+}
+
+TEST_F(RecordingFilesTest, AClipLeavesRoomForLogsAndOnlyAWantedOneTakesTheirs) {
+  put("a.log.gz", 50, 9);
+  put("b.log.gz", 20, 8);
+  put("a.clip", 10, 1);
+  // A quarter of the quota is for match logs.
+  EXPECT_THAT(refusal(RoomFor::kOtherClip, 20), HasSubstr("would take 100 MB, and may take 75 MB"));
+  EXPECT_THAT(goes_for(RoomFor::kOtherClip, 4), ElementsAre("a.clip"));
+  EXPECT_THAT(refusal(RoomFor::kWantedClip, 60), HasSubstr("/recording/quota_mb"));
+  EXPECT_THAT(goes_for(RoomFor::kWantedClip, 40), ElementsAre("a.log.gz"));
+  EXPECT_THAT(names(), ElementsAre("b.log.gz")) << "the newest log stays";
+}
+
+TEST_F(RecordingFilesTest, RemovesNothingForADiskThatMustStayFree) {
+  put("a.log.gz", 70, 9);
+  put("a.clip", 70, 9);
+  settings_.keep_free_mb = 10'000'000;  // no disk has so much
+  for (const RoomFor whom : {RoomFor::kMatchLog, RoomFor::kWantedClip, RoomFor::kOtherClip})
+    EXPECT_THAT(refusal(whom), HasSubstr("/recording/keep_free_mb"));
+  EXPECT_TRUE(fs::exists(files_.path_of("a.clip")));
 }
 
 TEST_F(RecordingFilesTest, TheLogThatIsWrittenIsNotRemoved) {
   const fs::path log = files_.begin("match");
-  write(log.filename().string(), 10, false);
-  EXPECT_THAT(files_.make_room(0), IsEmpty());
+  put(log.filename().string(), 200, 9);
+  put("newest.log.gz", 1, 1);
+  EXPECT_THAT(goes_for(RoomFor::kMatchLog), IsEmpty());
   EXPECT_FALSE(files_.remove(log.filename().string()));
   files_.end(log, true);
-  EXPECT_TRUE(files_.remove(log.filename().string()));
+  EXPECT_THAT(goes_for(RoomFor::kMatchLog), ElementsAre(log.filename().string()));
+}
+
+/// While it lives, no file of this program grows beyond so many bytes.
+class FullDisk {
+ public:
+  explicit FullDisk(std::uint64_t bytes) : handler_(::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &limit_);
+    const rlimit small{bytes, limit_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &small);
+  }
+  ~FullDisk() {
+    ::setrlimit(RLIMIT_FSIZE, &limit_);
+    ::signal(SIGXFSZ, handler_);
+  }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+
+ private:
+  rlimit limit_{};
+  void (*handler_)(int);
+};
+
+TEST_F(RecordingFilesTest, ARepairThatFailedIsTriedAgain) {
+  const fs::path log = files_.begin("match");
+  write(log.filename().string(), 10, false);
+  files_.end(log, false);  // its service was killed
+  RecordingFiles later(folder_.path());
+  const auto file = [&] { return later.find(log.filename().string()); };
+  {
+    const FullDisk disk(1000);
+    later.look_after({}, 100);
+    EXPECT_THAT(file()->problem, HasSubstr("File too large"));
+    EXPECT_EQ(file()->index, nullptr);
+  }
+  later.look_after({}, 101);
+  EXPECT_EQ(file()->index, nullptr) << "not at once";
+  later.look_after({}, 1000);
+  EXPECT_EQ(file()->problem, "");
+  ASSERT_TRUE(file()->index);
+  EXPECT_EQ(file()->index->messages.at(LoggedMessage::kVision2014), 10U);
+  EXPECT_FALSE(fs::exists(log.string() + ".unfinished"));
 }
 
 TEST_F(RecordingFilesTest, WhatStandsBesideALogGoesWithIt) {
@@ -102,7 +223,7 @@ TEST_F(RecordingFilesTest, WhatStandsBesideALogGoesWithIt) {
   files_.pin("a.log.gz", true);
   std::ofstream(folder_.path() / "notes.index") << "of somebody else";
   fs::remove(files_.path_of("a.log.gz"));
-  files_.look_after({});
+  files_.look_after({}, 0);
   EXPECT_FALSE(fs::exists(index_file_of(files_.path_of("a.log.gz"))));
   EXPECT_FALSE(fs::exists(files_.path_of("a.log.gz.pinned")));
   EXPECT_TRUE(fs::exists(folder_.path() / "notes.index"));
@@ -123,7 +244,7 @@ TEST_F(RecordingFilesTest, WhatWasNotFinishedIsMadeWhole) {
   write(log.filename().string(), 10, false);
   files_.end(log, false);  // its service was killed
   RecordingFiles later(folder_.path());
-  later.look_after({});
+  later.look_after({}, 0);
   const auto file = later.find(log.filename().string());
   ASSERT_TRUE(file && file->index);
   EXPECT_EQ(file->problem, "");
@@ -138,7 +259,7 @@ TEST_F(RecordingFilesTest, WhatOthersPutThereIsReadAndStaysAsItIs) {
   std::ofstream(files_.path_of("notes.txt")) << "none";
   fs::create_directory(files_.path_of("folder.log"));
   fs::create_symlink("/etc/passwd", files_.path_of("link.log"));
-  files_.look_after({});
+  files_.look_after({}, 0);
   EXPECT_THAT(names(), UnorderedElementsAre("theirs.log.gz", "none.log"));
   EXPECT_EQ(fs::file_size(files_.path_of("theirs.log.gz")), size);
   EXPECT_THAT(files_.find("theirs.log.gz")->problem, HasSubstr("is cut off"));
@@ -147,12 +268,12 @@ TEST_F(RecordingFilesTest, WhatOthersPutThereIsReadAndStaysAsItIs) {
 
 TEST_F(RecordingFilesTest, ALogThatIsReplacedIsReadAgain) {
   write("a.log.gz", 10);
-  files_.look_after({});
+  files_.look_after({}, 0);
   EXPECT_EQ(files_.find("a.log.gz")->index->messages.at(LoggedMessage::kVision2014), 10U);
   files_.remove("a.log.gz");
   write("a.log.gz", 20);
   EXPECT_EQ(files_.find("a.log.gz")->index, nullptr);
-  files_.look_after({});
+  files_.look_after({}, 0);
   EXPECT_EQ(files_.find("a.log.gz")->index->messages.at(LoggedMessage::kVision2014), 20U);
 }
 

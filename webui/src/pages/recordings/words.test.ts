@@ -7,7 +7,7 @@ const at = (hour: number, minute: number) => new Date(2026, 6, 3, hour, minute).
 const disk = { used_bytes: 12e9, quota_bytes: 50e9, free_bytes: 100e9 };
 const now = (changes: Partial<MatchLogNow> = {}): MatchLogNow => ({
   state: 'recording', name: '2026-07-03_14-05_GROUP_PHASE_Yellow-vs-Blue.log.gz', started_by: 'game_controller', begin_s: at(14, 5), seconds: 725, bytes: 34e6,
-  messages: { vision: 40000, referee: 7000, tracked: 40000 }, lost: 0, error: '', ...changes,
+  messages: { vision: 40000, referee: 7000, tracked: 40000 }, lost: 0, refused: 0, error: '', ...changes,
 });
 const none = { name: null, started_by: null, begin_s: null, seconds: 0, bytes: 0, messages: { vision: 0, referee: 0, tracked: 0 } };
 const log = (changes: Partial<MatchLog> = {}): MatchLog => ({
