@@ -53,7 +53,7 @@ TEST(Route, JsonThatTakesMuchMemoryIsRefused) {
       parse_json(list_of(what, 3'000'000));
       FAIL() << what;
     } catch (const HttpError& error) {
-      EXPECT_STREQ(error.what(), "JSON that takes more than 24 MiB of memory") << what;
+      EXPECT_STREQ(error.what(), "JSON that takes more than 16 MiB of memory") << what;
     }
   }
 }

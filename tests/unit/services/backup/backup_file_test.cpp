@@ -123,7 +123,7 @@ TEST(BackupFile, AFewBytesTakeLittleMemory) {
   std::string zeros = "[0";
   while (zeros.size() < 2'000'000) zeros += ",0";
   EXPECT_EQ(refusal(forged({{"manifest.json", zeros + "]"}})),
-            "manifest.json: JSON that takes more than 24 MiB of memory");
+            "manifest.json: JSON that takes more than 16 MiB of memory");
 }
 
 TEST(BackupFile, OneThatWouldBeTooLargeIsNotWritten) {
