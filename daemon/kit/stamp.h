@@ -69,7 +69,8 @@ inline constexpr std::string_view kStampCompiler = SSLV_PROCESSOR
     ", Eigen " SSLV_TEXT(EIGEN_WORLD_VERSION) "." SSLV_TEXT(EIGEN_MAJOR_VERSION) ", json " SSLV_TEXT(
         NLOHMANN_JSON_VERSION_MAJOR) "." SSLV_TEXT(NLOHMANN_JSON_VERSION_MINOR);
 
-/// Of the program or library that this is compiled into.
+/// Of the program or library that this is compiled into. A template: only who asks for it has it compiled.
+template <class = void>
 constexpr StageStamp this_stamp() {
   StageStamp stamp;
   stamp.magic = stamp_text<16>(kStampMagic);
