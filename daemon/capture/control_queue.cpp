@@ -58,20 +58,16 @@ auto ControlQueue::in_turn(Act act) {
 
 ControlQueue::Refusals ControlQueue::open_with(const Json& wanted) {
   Refusals out;
-  try {
-    for (auto& [name, why] : set_all(wanted.get<ControlValues>(), true)) out.push_back(why);
-  } catch (const CaptureError& error) {
-    out.emplace_back(error.what());
-  }
+  for (auto& [name, why] : set_all(wanted.get<ControlValues>(), true)) out.push_back(why);
   return out;
 }
 
-ControlQueue::Refusals ControlQueue::share_with(const Json& wanted) {
-  try {
-    return calls_.run(in_turn([=, this] { return open_with(wanted); }));
-  } catch (const CaptureError& error) {
-    return {error.what()};
-  }
+void ControlQueue::share_with(const Json& wanted) {
+  calls_.post(in_turn([=, this] {
+    RefusedByName refused = set_all(wanted.get<ControlValues>(), true);
+    const std::lock_guard lock(mutex_);
+    memory_.refused.merge(std::move(refused));
+  }));
 }
 
 void ControlQueue::begin(std::shared_ptr<Controls> before) {
@@ -136,6 +132,8 @@ ControlQueue::RefusedByName ControlQueue::set_all(const ControlValues& wanted, b
           refused[name] = name + ": takes effect when the camera is opened again";
         } catch (const SettingsError& error) {
           refused[name] = error.what();
+        } catch (const CaptureError& error) {  // the others may answer
+          refused[name] = name + ": " + error.what();
         }
       }
     }
@@ -193,6 +191,7 @@ Control ControlQueue::set_unsaved(const std::string& name, const Json& value) {
   const bool is_step = is_known_step && !is_mode(control);  // a slider has many
   const std::vector<Control> all = is_step ? std::vector<Control>{control} : read_all();
   const std::lock_guard lock(mutex_);
+  memory_.ranges_are_old = memory_.ranges_are_old || is_step;
   for (const Control& now : all) {
     std::ranges::replace(memory_.list, now.name, now, &Control::name);
     const Control* had = before.find(now.name);
@@ -225,16 +224,25 @@ ControlQueue::Refusals ControlQueue::carry_out(const ControlValues& before, cons
   const ControlValues targets = memory().changed(before, wanted);
   {
     const std::lock_guard lock(mutex_);
-    for (const auto& [name, value] : targets) {
-      memory_.unsaved.erase(name);
-      memory_.refused.erase(name);
-    }
+    for (const auto& [name, value] : targets) memory_.unsaved.erase(name);
+    // Nor is anything refused that nobody asks for any more.
+    std::erase_if(memory_.refused, [&](const auto& one) {
+      return targets.contains(one.first) || !wanted.contains(one.first);
+    });
   }
   Refusals out;
-  RefusedByName refused = take_home(targets, wanted, true);
-  for (const auto& [name, why] : refused) out.push_back(why);
-  const std::lock_guard lock(mutex_);
-  memory_.refused.merge(std::move(refused));
+  const auto refuse = [&](RefusedByName refused) {
+    for (const auto& [name, why] : refused) out.push_back(why);
+    const std::lock_guard lock(mutex_);
+    memory_.refused.merge(std::move(refused));
+  };
+  try {
+    refuse(take_home(targets, wanted, true));
+  } catch (const CaptureError& error) {
+    RefusedByName all;
+    for (const auto& [name, value] : targets) all[name] = name + ": " + error.what();
+    refuse(std::move(all));
+  }
   return out;
 }
 
@@ -261,6 +269,7 @@ std::vector<Control> ControlQueue::read_all() {
       memory_.opened.emplace(control.name, control.value);
   }
   memory_.list = now;
+  memory_.ranges_are_old = false;
   return now;
 }
 
@@ -292,7 +301,8 @@ ControlPlan ControlQueue::plan(const Json& before, const Json& wanted, const std
       throw SettingsError(fmt::format("{}/{}: the camera has no such control", path, name));
     if (control->kind == ControlKind::kChoice && control->choices.empty()) continue;  // not known now
     Control allowed = *control;
-    if (targets.size() > 1 || control->moves) allowed.least = allowed.most = allowed.step = std::nullopt;
+    if (targets.size() > 1 || control->moves || known.ranges_are_old)
+      allowed.least = allowed.most = allowed.step = std::nullopt;
     try {
       check_control_value(allowed, value);
     } catch (const SettingsError& error) {

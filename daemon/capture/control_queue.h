@@ -41,8 +41,9 @@ class ControlQueue {
 
   /// Sets all of `wanted` (name -> value) in this thread, which opens the camera: nobody else asks it yet.
   Refusals open_with(const Json& wanted);
-  /// Likewise of a camera that is open already, because several share it: in turn.
-  Refusals share_with(const Json& wanted);
+  /// Likewise of a camera that is open already, because several share it: in turn, and does not wait for it.
+  /// Throws as DriverCalls::post() does.
+  void share_with(const Json& wanted);
   /// Then reads all, and does not wait for it. `before`: of the opening before, or null: what the camera
   /// still has as it was left is unsaved still. Throws as DriverCalls::post() does.
   void begin(std::shared_ptr<Controls> before);
@@ -80,6 +81,7 @@ class ControlQueue {
   /// What is known of the camera.
   struct Memory {
     std::vector<Control> list;      // as they were last read
+    bool ranges_are_old = false;    // what was set since may have moved other controls' ranges
     ControlValues opened;           // what each had before it was set for the first time
     std::set<std::string> unsaved;  // that were set
     RefusedByName refused;

@@ -44,6 +44,7 @@ struct DriverCalls::Shared : std::enable_shared_from_this<Shared> {
         shared->run_all();
       }).detach();
       is_running = true;
+      call->has_begun = true;  // nobody is before it, however late the thread begins
     }
     waiting.push_back(call);
     return call;

@@ -36,10 +36,7 @@ class TileSource final : public Source {
   TileSource(const Options& options, const SharedCamera::Open& open)
       : options_(options), taker_(SharedCamera::get(options.of.dump(), open)) {
     warnings_ = taker_.camera().warnings();
-    const auto controls = taker_.camera().controls();
-    if (!controls) return;
-    for (std::string& warning : controls->queue().share_with(options_.controls))
-      warnings_.push_back(std::move(warning));
+    if (const auto controls = taker_.camera().controls()) controls->queue().share_with(options_.controls);
   }
 
   CaptureStatus next(CapturedImage& image, std::string& problem, std::chrono::milliseconds timeout) override {

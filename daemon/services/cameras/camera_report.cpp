@@ -378,7 +378,12 @@ std::string camera_summary(std::span<const CameraFacts> cameras) {
 
 std::optional<Hang> find_hang(const CameraProgress& camera, std::int64_t now_ns) {
   const CameraHealth& health = camera.health;
-  if (health.state != CameraState::kRunning || now_ns - health.progress_ns < kHangs_ns) return std::nullopt;
+  if (health.state != CameraState::kRunning) {
+    // The thread that hangs may be one whose end the thread waits for that is to open the camera again.
+    const bool hangs = camera.stage && now_ns - camera.stage->since_ns >= kHangs_ns;
+    return hangs ? camera.stage : std::nullopt;
+  }
+  if (now_ns - health.progress_ns < kHangs_ns) return std::nullopt;
   Hang hang = camera.stage.value_or(Hang{});
   hang.since_ns = health.progress_ns;
   return hang;

@@ -85,6 +85,11 @@ void RunningCamera::ask_to_stop() {
   thread_->ask_to_stop();
 }
 
+void RunningCamera::end_control_calls() {
+  const std::lock_guard lock(last_opened_->mutex);
+  if (last_opened_->controls) last_opened_->controls->queue().ask_to_stop();
+}
+
 bool RunningCamera::has_stopped() {
   const std::lock_guard lock(thread_mutex_);
   return thread_->try_stop();
@@ -92,13 +97,14 @@ bool RunningCamera::has_stopped() {
 
 std::unique_ptr<CameraThread> RunningCamera::make_thread(const CameraSettings& settings, const Scene& scene,
                                                          const ControlValues& controls) {
-  auto open = [newest = settings_, last = last_opened_, scene, controls] {
+  auto open = [newest = settings_, last = last_opened_, scene, controls]() mutable {
     const auto now = newest->load();
     Json source = now->source;
     for (const auto& [name, value] : controls) {
       if (!source["controls"].contains(name)) source["controls"][name] = value;
     }
     auto camera = open_source(source, {static_cast<std::uint32_t>(now->id), scene});
+    controls.clear();  // they have gone back: what is set from now on stays when it is opened again
     last->hand_over(source, controls_in(now->source), camera->controls());
     last->follow(*newest);  // what was changed while it was being opened
     return camera;
@@ -130,8 +136,9 @@ RunningCamera::Change RunningCamera::plan(const CameraSettings& settings,
 
 void RunningCamera::get_ready(Change& change) {
   if (change.setup) change.setup->make_stages(*change.settings);
-  const CameraSetup& setup = change.setup ? change.setup->setup : *pipeline_.setup();
   if (!change.reopens) return;
+  const auto now = pipeline_.setup();
+  const CameraSetup& setup = change.setup ? change.setup->setup : *now;
   change.thread = make_thread(*change.settings, *setup.context.scene, change.controls.unsaid);
 }
 

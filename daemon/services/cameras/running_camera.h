@@ -42,6 +42,8 @@ class RunningCamera {
   void start() noexcept;
   /// Begins what the destructor does and does not wait for it.
   void ask_to_stop();
+  /// Nobody waits for its controls any more: that fails, now and later.
+  void end_control_calls();
   /// Whether the destructor would not wait: its thread has ended, or hangs in the driver and is left behind
   /// there. One that hangs in a stage has not. Once it was asked to stop.
   bool has_stopped();

@@ -77,8 +77,9 @@ RunningCameras::RunningCameras(const Snapshot<Config>& config, MulticastSender& 
 void RunningCameras::ask_to_stop() {
   for (const auto& camera : list()) {
     camera->ask_to_stop();
-    if (const auto open = camera->controls()) open->queue().ask_to_stop();
+    camera->end_control_calls();
   }
+  for (const auto& camera : *gone_.load()) camera->end_control_calls();
 }
 
 std::shared_ptr<RunningCamera> RunningCameras::find(int camera_id) const {

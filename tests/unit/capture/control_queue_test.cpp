@@ -43,6 +43,7 @@ class MeasuringCamera : public Controls {
   Control get(const std::string& name) override {
     const std::lock_guard lock(mutex_);
     ++reads;
+    if (name == silent) throw CaptureError("does not answer");
     if (answers_ == 0) throw SettingsError("busy");
     if (answers_ > 0) --answers_;
     measure();
@@ -56,10 +57,15 @@ class MeasuringCamera : public Controls {
     const std::lock_guard lock(mutex_);
     of(name).value = value;
   }
+  void limit(const std::string& name, double most) {
+    const std::lock_guard lock(mutex_);
+    of(name).most = most;
+  }
   void answer_only(int count) { answers_ = count; }
 
   std::atomic<int> reads{0}, writes{0}, resets{0};
   std::function<void()> on_write = [] {};
+  std::string silent;  // a control, or none
 
  private:
   Control& add(const char* name, ControlKind kind, const Json& value) {
@@ -374,6 +380,33 @@ TEST_F(ControlQueueTest, KnowsWhatTheCameraHadBeforeItWasSavedAtAnEarlierOpening
   reset->queue().begin(second);
   reset->queue().list();
   EXPECT_EQ(goes_back_to(*reset), 500);
+}
+
+TEST_F(ControlQueueTest, WhatIsRefusedIsForgottenOnceNobodyAsksForIt) {
+  const Json unknown = {{"Colour", 1}};
+  EXPECT_THAT(queue_.apply(kNothing, unknown)(), ElementsAre("Colour: no such control"));
+  EXPECT_THAT(queue_.refused(), ElementsAre("Colour: no such control"));
+  EXPECT_THAT(queue_.apply(unknown, kNothing)(), IsEmpty());
+  EXPECT_THAT(queue_.refused(), IsEmpty());
+}
+
+TEST_F(ControlQueueTest, OneThatDoesNotAnswerKeepsNoOtherFromBeingSet) {
+  camera_->silent = "ExposureTime";
+  const Json wanted = {{"ExposureTime", 2000.0}, {"Gain", 5}};
+  EXPECT_THAT(queue_.open_with(wanted), ElementsAre("ExposureTime: does not answer"));
+  EXPECT_EQ(camera_->value("Gain"), 5);
+  EXPECT_THAT(save(kNothing, {{"ExposureTime", 2000.0}, {"Gain", 6}}),
+              ElementsAre("ExposureTime: does not answer"));
+  EXPECT_EQ(camera_->value("Gain"), 6);
+}
+
+TEST_F(ControlQueueTest, ARangeThatASliderMayHaveMovedRefusesNothing) {
+  for (const int gain : {5, 6, 7}) queue_.set("Gain", gain);
+  camera_->limit("ExposureTime", 60000);
+  EXPECT_EQ(refusal({{"ExposureTime", 50000.0}}), "");
+  queue_.list();
+  EXPECT_EQ(refusal({{"ExposureTime", 50000.0}}), "");
+  EXPECT_NE(refusal({{"ExposureTime", 70000.0}}), "");
 }
 
 }  // namespace

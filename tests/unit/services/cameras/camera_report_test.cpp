@@ -35,6 +35,14 @@ TEST(Hanging, IsNoCameraThatIsKnownToBeOpenedOrToHaveEnded) {
     EXPECT_EQ(find_hanging({camera(0, state, 60)}, kNow_ns), "") << name_of(state);
 }
 
+TEST(Hanging, IsACameraWhoseThreadBeforeDoesNotEnd) {
+  CameraProgress reopened = camera(2, CameraState::kOpening);
+  reopened.stage = Hang{kNow_ns - 8 * kSecond_ns, "find_tags", ""};
+  EXPECT_EQ(find_hanging({reopened}, kNow_ns), "camera 2 has hung for 8 s in the stage 'find_tags'");
+  reopened.stage->since_ns = kNow_ns - 4 * kSecond_ns;
+  EXPECT_EQ(find_hanging({reopened}, kNow_ns), "");
+}
+
 TEST(Origin, OnlyARealCameraSeesTheField) {
   EXPECT_EQ(origin_of({{"backend", "aravis"}}), ImageOrigin::kCamera);
   EXPECT_EQ(origin_of({{"backend", "files"}}), ImageOrigin::kRecording);
