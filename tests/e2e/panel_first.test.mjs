@@ -125,7 +125,7 @@ describe('the first set-up', () => {
     await page.click(`${byId('file-entry')} button:text-is("golden")`);
     await textBecomes(page, 'folder', /golden$/);
     assert.match(await page.textContent(byId('add-folder')), /Add this folder \(1 image\)/);
-    assert.deepEqual(await page.$$eval(byId('file-entry'), (all) => all.map((one) => one.textContent.trim())), ['division_b.jpgAdd', 'small.clipAdd'], 'nothing but images, clips and folders');
+    assert.deepEqual(await page.$$eval(byId('file-entry'), (all) => all.map((one) => one.textContent.trim())), ['division_b.jpgAdd', 'parts.clipAdd', 'small.clipAdd'], 'nothing but images, clips and folders');
     await page.click(byId('add-folder'));
     await page.waitForSelector(byId('camera-tile-0'));
     await picturesGoOn(page, 0);
