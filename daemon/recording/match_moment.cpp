@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <condition_variable>
+#include <exception>
 #include <map>
 #include <mutex>
 #include <ranges>
@@ -142,7 +143,7 @@ class MatchMoments::Places {
           become_background_thread("log places", 15);
           try {
             find(log, every_bytes, stop);
-          } catch (const StorageError&) {  // who looks at the log finds the same
+          } catch (const std::exception&) {  // who looks at the log finds the same
           }
           const std::lock_guard lock(mutex_);
           is_done_ = true;

@@ -24,7 +24,11 @@ inline bool fits_into(std::size_t bytes, const std::function<void()>& act) {
     const rlim_t limit = pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) + bytes;
     const rlimit limits{limit, limit};
     ::setrlimit(RLIMIT_AS, &limits);
-    act();  // std::bad_alloc ends the process
+    try {
+      act();
+    } catch (...) {
+      ::_exit(1);
+    }
     ::_exit(0);
   }
   int status = 0;

@@ -202,7 +202,12 @@ std::string ClipService::write_crash_clip(const LastSeconds::Left& left, const s
     if (!error && age >= age.zero() && age < kCrashClipInterval)
       return "; a clip of a crash was made less than a minute ago";
     if (file.is_pinned || ++kept < kMaxCrashClips) continue;
-    if (files_.remove(file.name)) log::info("recording {} was removed: it is of an earlier crash", file.name);
+    try {
+      if (files_.remove(file.name))
+        log::info("recording {} was removed: it is of an earlier crash", file.name);
+    } catch (const StorageError& error) {
+      log::warning("{}", error.what());
+    }
   }
   ClipOrder order{.name = std::string(kCrashClip),
                   .kind = std::string(kCrashClip),

@@ -555,7 +555,8 @@ TEST_F(Gige, ControlsOfTheSettingsAreSetAtTheOpening) {
 }
 
 TEST_F(Gige, WhatASelectorChoosesIsAControlForEachChoice) {
-  const auto source = open({{"controls", {{"BalanceRatio[Blue]", 150}}}});
+  const Json saved = {{"BalanceRatio[Blue]", 150}};
+  const auto source = open({{"controls", saved}});
   EXPECT_THAT(source->warnings(), testing::IsEmpty());
   const auto controls = source->controls();
   std::map<std::string, Control> all;
@@ -570,8 +571,8 @@ TEST_F(Gige, WhatASelectorChoosesIsAControlForEachChoice) {
   controls->queue().set("BalanceRatio[Blue]", 91);
   EXPECT_EQ(controls->get("BalanceRatio[Red]").value, 90);
   EXPECT_EQ(controls->get("BalanceRatio[Blue]").value, 91);
-  EXPECT_EQ(controls->queue().unsaved(Json::object()).size(), 2U);
-  controls->queue().revert({}, Json::object());
+  EXPECT_EQ(controls->queue().unsaved(saved).size(), 2U);
+  controls->queue().revert({}, saved);
   EXPECT_EQ(controls->get("BalanceRatio[Red]").value, red);
   EXPECT_EQ(controls->get("BalanceRatio[Blue]").value, 150);
 
@@ -588,7 +589,7 @@ TEST_F(Gige, WhatASelectorChoosesIsAControlForEachChoice) {
   controls->queue().set("LineInverter", true);
   controls->queue().set("LineSelector", "Line1");
   EXPECT_EQ(controls->get("LineInverter").value, false);
-  EXPECT_THAT(controls->queue().unsaved(Json::object()), testing::IsEmpty());
+  EXPECT_THAT(controls->queue().unsaved(saved), testing::IsEmpty());
 }
 
 TEST_F(Gige, ControlsOutliveTheSource) {

@@ -678,8 +678,8 @@ TEST_F(V4l2, ControlsAreSetBeforeItDelivers) {
                               {"brightness", 99}}}});
   EXPECT_THAT(camera->order_set(), ElementsAre(V4L2_CID_EXPOSURE_AUTO, V4L2_CID_EXPOSURE_ABSOLUTE, 0));
   EXPECT_THAT(source->warnings(),
-              ElementsAre("zoom: the camera has no such control",
-                          "brightness: 99 is not allowed; expected a whole number from -64 to 64"));
+              ElementsAre("brightness: 99 is not allowed; expected a whole number from -64 to 64",
+                          "zoom: the camera has no such control"));
 }
 
 TEST_F(V4l2, ControlsLiveOnWithoutTheCamera) {

@@ -779,7 +779,7 @@ TEST_F(Clip, NoFileTakesMuchMemory) {
     file.put(begin, 0);
     std::uint64_t place = begin.size();
     for (std::uint32_t number = 0; number < 24; ++number) {
-      const std::string json = json_of_many(R"("")");
+      const std::string json = json_of_many(R"("xx")");
       place = file.put_block(ClipBlock::kSetup, text_from(setup_head(number, json.size())) + json,
                              kClipSetupBytes + json.size() + kMaxClipTableBytes, place);
     }
@@ -791,9 +791,10 @@ TEST_F(Clip, NoFileTakesMuchMemory) {
     SparseFile file(path());
     file.put(begin, 0);
     std::uint64_t place = begin.size();
-    const std::string json = json_of_many("[]");
+    const std::string json = json_of_many("[1000]");
     for (int i = 0; i < 50; ++i) place = file.put_block(ClipBlock::kEvent, json, json.size(), place);
   }
+  EXPECT_GE(ClipReader(path()).events().size(), 1U);
   EXPECT_LE(ClipReader(path()).events().size(), 5U);
   EXPECT_TRUE(fits());
   {  // as many frames as there may be, of as many cameras

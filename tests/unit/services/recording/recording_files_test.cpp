@@ -133,6 +133,8 @@ TEST_F(RecordingFilesTest, TheLogOfTheMatchThatRunsHasTheHighestRank) {
 TEST_F(RecordingFilesTest, NothingGoesForALogThatStrangersFilled) {
   put("a.log.gz", 30, 9);
   put("a.clip", 20, 8);
+  files_.pin("a.clip", true);
+  files_.pin("a.log.gz", true);
   const fs::path log = files_.begin("match");
   const std::string name = log.filename().string();
   put(name, 60, 1);
@@ -141,6 +143,8 @@ TEST_F(RecordingFilesTest, NothingGoesForALogThatStrangersFilled) {
   EXPECT_THAT(refusal(RoomFor::kWantedClip), HasSubstr("recordings take 110 MB"));
   files_.end(log, true);
   EXPECT_THAT(goes_for(RoomFor::kMatchLog), IsEmpty()) << "after the match, too";
+  files_.pin("a.clip", false);
+  files_.pin("a.log.gz", false);
   put("next.log.gz", 1, 0);
   EXPECT_THAT(goes_for(RoomFor::kMatchLog), ElementsAre(name)) << "it goes before all others";
 }

@@ -257,6 +257,7 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   report_left_out(std::vector<LeftOutLibrary>{{"/stages/x.so", "is no shared object"}}, left_out);
   RecordingFacts recording;
   recording.lost = 1;
+  recording.refused = 1000;
   recording.problem = "the disk is full";
   report_recording(recording, left_out);
   recording.problem.clear();
