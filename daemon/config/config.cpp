@@ -82,8 +82,17 @@ void keep_whole_images(Json& tree) {
   if (tree.is_object() && tree.contains(images) && tree[images] == "found") tree[images] = "whole";
 }
 
+/// Settings are stored with all keys, so 0 is the old default; no field of the rules has none.
+void forget_missing_substitution_area(Json& tree) {
+  const std::string key = "goal_substitution_area_width";
+  if (!tree.is_object() || !tree.contains("field") || !tree["field"].is_object()) return;
+  Json& field = tree["field"];
+  if (field.contains(key) && field[key] == 0) field.erase(key);
+}
+
 void to_version_3(Json& tree) {
   name_other_computers(tree);
+  forget_missing_substitution_area(tree);
   keep_whole_images(tree);
 }
 

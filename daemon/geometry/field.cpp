@@ -90,6 +90,10 @@ bool waits_behind_goal(const FieldSize& field, bool at_positive_x, double x_mm, 
   // Whatever width is set, the playing area is none of it.
   const double begin_mm = std::max(goal_line_mm, wall_mm - field.goal_substitution_area_width);
   const double along_mm = at_positive_x ? x_mm : -x_mm;
+  // In Division B the area begins at the goal line, where a keeper may stand in its goal.
+  if (std::abs(y_mm) < field.goal_width / 2.0 &&
+      along_mm <= goal_line_mm + field.line_thickness / 2.0 + field.goal_depth)
+    return false;
   return along_mm >= begin_mm + field.max_robot_radius && along_mm <= wall_mm &&
          std::abs(y_mm) <= field.field_width / 2.0 + field.boundary_width;
 }

@@ -121,7 +121,8 @@ inline constexpr std::array<Choice<LinesMeasured>, 2> kLinesMeasuredChoices{
 FieldSize measured_to_middle(FieldSize field, LinesMeasured measured);
 
 /// Whether a robot with its centre there waits in the substitution area behind the goal line at the +x end or
-/// the other one, all of it: the game controller (2026) does not count a team's robots behind its own goal.
+/// the other one, all of it, and not in the goal: the game controller (2026) does not count a team's robots
+/// behind its own goal.
 bool waits_behind_goal(const FieldSize& field, bool at_positive_x, double x_mm, double y_mm);
 
 /// Throws SettingsError, beginning with `path`, for lines and arcs that cannot be told apart or do not fit

@@ -107,13 +107,25 @@ TEST(SettingsMigrations, ImagesInPartsBecomeWholeOnes) {
   }
 }
 
+TEST(SettingsMigrations, AMissingSubstitutionAreaIsThatOfTheRules) {
+  const auto width = [](int version, int before) {
+    const Json file{{"version", version}, {"field", {{"goal_substitution_area_width", before}}}};
+    return complete_settings(current(file)).at("field").at("goal_substitution_area_width");
+  };
+  for (const int version : {1, 2}) {
+    EXPECT_EQ(width(version, 0), 300);
+    EXPECT_EQ(width(version, 408), 408);
+  }
+  EXPECT_EQ(width(3, 0), 0) << "somebody set it so";
+}
+
 TEST(SettingsMigrations, LeaveWhatIsOfAnotherTypeToTheCheck) {
-  for (const char* text :
-       {"[]", "7", R"({"field": 7})", R"({"field": {"other_computers": 7}})", R"({"cameras": {}})",
-        R"({"cameras": [7, null]})", R"({"cameras": [{"follow_light": 7}]})",
-        R"({"cameras": [{"follow_light": []}]})", R"({"recording": []})", R"({"recording": 7})",
-        R"({"recording": {"last_seconds": [{"images": "found"}]}})",
-        R"({"recording": {"last_seconds": {"images": 7}}})"}) {
+  for (const char* text : {"[]", "7", R"({"field": 7})", R"({"field": {"other_computers": 7}})",
+                           R"({"field": {"goal_substitution_area_width": "0"}})", R"({"cameras": {}})",
+                           R"({"cameras": [7, null]})", R"({"cameras": [{"follow_light": 7}]})",
+                           R"({"cameras": [{"follow_light": []}]})", R"({"recording": []})",
+                           R"({"recording": 7})", R"({"recording": {"last_seconds": [{"images": "found"}]}})",
+                           R"({"recording": {"last_seconds": {"images": 7}}})"}) {
     EXPECT_EQ(current(Json::parse(text)), Json::parse(text)) << text;
   }
 }

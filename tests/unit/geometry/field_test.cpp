@@ -136,12 +136,17 @@ TEST(Field, RobotsWaitInFrontOfTheWallBehindTheGoal) {
   EXPECT_FALSE(waits_behind_goal(a, true, 6700, 0));
   EXPECT_FALSE(waits_behind_goal(a, true, 6400, 4900));
   FieldSize b = field_preset("division-b", "");  // goal line at 4500, where the area begins
-  EXPECT_TRUE(waits_behind_goal(b, true, 4590, 0));
-  EXPECT_FALSE(waits_behind_goal(b, true, 4589, 0));
+  EXPECT_TRUE(waits_behind_goal(b, true, 4590, 600));
+  EXPECT_FALSE(waits_behind_goal(b, true, 4589, 600));
+  for (const double x_mm : {4590.0, 4680.0}) {
+    EXPECT_FALSE(waits_behind_goal(b, true, x_mm, -400)) << "a keeper in its goal";
+    EXPECT_FALSE(waits_behind_goal(b, false, -x_mm, 400));
+  }
+  EXPECT_TRUE(waits_behind_goal(b, true, 4690, 0)) << "behind the goal";
   b.goal_substitution_area_width = 600;
-  EXPECT_FALSE(waits_behind_goal(b, true, 4589, 0)) << "it may only be said to begin on the field";
+  EXPECT_FALSE(waits_behind_goal(b, true, 4589, 600)) << "it may only be said to begin on the field";
   b.goal_substitution_area_width = 0;
-  EXPECT_FALSE(waits_behind_goal(b, true, 4600, 0)) << "there is none";
+  EXPECT_FALSE(waits_behind_goal(b, true, 4600, 600)) << "there is none";
 }
 
 TEST(Field, AnEmptyListMeansThatNothingIsPaintedAndNullThatTheSizesSay) {
