@@ -69,8 +69,7 @@ bool HeardCameras::hear(const VisionMessage& message, const std::string& address
   Holder& holder = holders_[image.camera];
   const Heard& newest = holder.newest;
   if (!newest.address.empty() && newest.address != address && (newest.is_used || !is_named)) {
-    const bool has_room = conflicts_.size() < limits::kMaxUnnamedCameras || conflicts_.contains(key);
-    if (newest.is_used && has_room) conflicts_[key] = {now_s, {image.camera, address, newest.address}};
+    if (newest.is_used) conflicts_[key] = {now_s, {image.camera, address, newest.address}};
     return false;
   }
   if (newest.address != address) holder = {};
@@ -89,8 +88,11 @@ bool HeardCameras::hear(const VisionMessage& message, const std::string& address
 
 std::vector<HeardCameras::Conflict> HeardCameras::conflicts(double now_s) const {
   std::vector<Conflict> out;
-  for (const auto& [key, heard] : conflicts_) {
-    if (now_s - heard.first <= kForgottenAfter_s) out.push_back(heard.second);
+  for (const bool is_named : {true, false}) {
+    for (const auto& [key, heard] : conflicts_) {
+      if (now_s - heard.first <= kForgottenAfter_s && places_.at(key).is_named == is_named)
+        out.push_back(heard.second);
+    }
   }
   return out;
 }

@@ -52,7 +52,7 @@ class HeardCameras {
   bool hear(const VisionMessage& message, const std::string& address, bool is_named, double now_s,
             double unix_s, ArrivedSightings& out);
 
-  /// Of the last seconds.
+  /// Of the last seconds; first those of named computers, which strangers must not hide.
   std::vector<Conflict> conflicts(double now_s) const;
   struct Heard {
     std::string address;
@@ -86,8 +86,8 @@ class HeardCameras {
 
   std::set<int> own_;
   std::map<Key, Place> places_;
-  std::map<int, Holder> holders_;  // by camera id
-  std::map<Key, std::pair<double, Conflict>> conflicts_;
+  std::map<int, Holder> holders_;                         // by camera id
+  std::map<Key, std::pair<double, Conflict>> conflicts_;  // each has a place: so strangers' are limited
 };
 
 }  // namespace sslv

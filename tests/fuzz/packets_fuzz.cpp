@@ -77,7 +77,8 @@ void check(const Listeners& listeners, double now_s) {
     for (const SizeConflict& conflict : size_conflicts(*other.field, *other.field))
       expect(std::isfinite(conflict.ours), "a size that is no number");
   }
-  expect(listeners.cameras.cameras(now_s).size() <= 256 && listeners.cameras.conflicts(now_s).size() <= 64,
+  expect(listeners.cameras.cameras(now_s).size() <= 256 &&
+             listeners.cameras.conflicts(now_s).size() <= kMaxCameras,
          "tables of cameras without bounds");
   const RefereeStatus status = listeners.referee.status(now_s);
   for (const std::string& name : status.team_names) expect(name.size() <= 65'535, "a name that is too long");

@@ -137,7 +137,7 @@ TEST_F(Heard, ConflictsHaveAnEndAndAreForgotten) {
   hear(geometry(4), "named", 0);
   hear(detection(4), "named", 0);
   for (int i = 0; i < 200; ++i) {
-    const std::string address = "named too " + std::to_string(i);
+    const std::string address = "stranger " + std::to_string(i);
     hear(geometry(4), address, 0.001 * i);
     hear(detection(4), address, 0.001 * i);
   }
@@ -147,6 +147,21 @@ TEST_F(Heard, ConflictsHaveAnEndAndAreForgotten) {
     hear(detection(4), address, 70);
   }
   EXPECT_THAT(cameras_.conflicts(70), ElementsAre(HeardCameras::Conflict{4, "named last", "named"}));
+}
+
+TEST_F(Heard, StrangersHideNoConflictOfNamedComputers) {
+  hear(geometry(4), "named a", 0);
+  hear(detection(4), "named a", 0);
+  for (int i = 0; i < 100; ++i) {
+    const std::string address = "a stranger " + std::to_string(i);
+    hear(geometry(4), address, 0);
+    hear(detection(4), address, 0);
+  }
+  hear(geometry(4), "named b", 0);
+  hear(detection(4), "named b", 0);
+  const auto conflicts = cameras_.conflicts(0);
+  ASSERT_EQ(conflicts.size(), 65U);
+  EXPECT_EQ(conflicts[0], (HeardCameras::Conflict{4, "named b", "named a"})) << "which the alert's title has";
 }
 
 TEST_F(Heard, TwoStrangersWithOneIdAreNobodysConcern) {
