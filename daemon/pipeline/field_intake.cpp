@@ -22,7 +22,7 @@ Eigen::Matrix2d matrix_of(const PlaceCov& cov) {
 
 BallSighting sighting_of(const Ball& ball, double ball_radius_mm, double camera_height_mm) {
   BallSighting out{{ball.x_mm, ball.y_mm}, matrix_of(ball.place_cov), ball.confidence};
-  if (!(ball.radius_sigma_mm > 0) || !(ball.radius_mm > 0)) return out;
+  if (!(ball.radius_sigma_mm > 0) || !(ball.radius_mm > 0) || std::isinf(ball.radius_mm)) return out;
   const double up_mm = camera_height_mm - ball_radius_mm;
   const double height_mm = ball_radius_mm + up_mm * (1 - ball_radius_mm / ball.radius_mm);
   if (!(std::abs(height_mm) < limits::kMaxPlaceMm)) return out;

@@ -141,6 +141,8 @@ Senseless drop_senseless(CameraSightings& image) noexcept {
                 .balls = keep(image.balls, kMaxFieldBalls, ball)};
   if (image.is_taken && !(std::isfinite(image.t_capture_s) && is_camera_place(image.camera_mm) &&
                           image.camera >= 0 && image.camera <= kMaxId)) {
+    out.robots += image.robots.size();
+    out.balls += image.balls.size();
     image.is_taken = false;
     image.robots.clear();
     image.balls.clear();

@@ -48,7 +48,7 @@ std::optional<int> CameraAgreement::place_for_camera() {
   auto silent = cameras_.end();
   for (auto one = cameras_.begin(); one != cameras_.end(); ++one) {
     if (!one->second.is_of_other_computer) continue;
-    if (silent == cameras_.end() || one->second.seen_s < silent->second.seen_s) silent = one;
+    if (silent == cameras_.end() || one->second.heard < silent->second.heard) silent = one;
   }
   if (silent == cameras_.end()) return {};
   const int at = silent->second.at;
@@ -69,12 +69,15 @@ void CameraAgreement::forget_sightings(int camera) {
 
 void CameraAgreement::set_camera(int camera, const Eigen::Vector3d& center_mm, bool is_of_other_computer) {
   const auto known = cameras_.find(camera);
+  ++heard_;
   if (known != cameras_.end() && known->second.center_mm == center_mm &&
-      known->second.is_of_other_computer == is_of_other_computer)
+      known->second.is_of_other_computer == is_of_other_computer) {
+    known->second.heard = heard_;
     return;
+  }
   const auto at = known != cameras_.end() ? std::optional(known->second.at) : place_for_camera();
   if (!at) return;
-  const Camera made{center_mm, *at, is_of_other_computer};
+  const Camera made{center_mm, *at, is_of_other_computer, heard_};
   cameras_.insert_or_assign(camera, made);
   forget(made, kErrorMm);
   forget_sightings(camera);
@@ -95,7 +98,7 @@ Vector2d CameraAgreement::outwards(const Camera& camera, const Vector2d& place_m
   return (place_mm - camera.center_mm.head<2>()) / above_mm;
 }
 
-/// Null where there is no room. Other computers' robots leave half of it to ours and push none out.
+/// Null where there is no room. Other computers' robots leave half of it to ours and push none of ours out.
 CameraAgreement::Track* CameraAgreement::track_of(const RobotName& robot, double t_s, bool is_of_other) {
   const auto known = tracks_.find(robot);
   if (known != tracks_.end()) return &known->second;
@@ -103,10 +106,11 @@ CameraAgreement::Track* CameraAgreement::track_of(const RobotName& robot, double
   if (tracks_.size() < (is_of_other ? limits::kMaxRobots / 2 : limits::kMaxRobots)) {
     at = add_states(1);
   } else {
-    const auto oldest = std::min_element(tracks_.begin(), tracks_.end(), [](const auto& a, const auto& b) {
-      return a.second.seen_s < b.second.seen_s;
+    const auto oldest = std::ranges::min_element(tracks_, {}, [&](const auto& one) {
+      return std::pair(is_of_other && one.second.is_ours, one.second.seen_s);
     });
     const double gone_s = is_of_other ? 60 : 0.5;
+    if (is_of_other && oldest->second.is_ours) return nullptr;
     if (std::abs(t_s - oldest->second.seen_s) < gone_s) return nullptr;
     at = oldest->second.at;
     tracks_.erase(oldest);
@@ -125,7 +129,8 @@ void CameraAgreement::see(int camera, const Seen& seen) {
   Track* const known = track_of(seen.robot, seen.t_s, is_of_other);
   if (!known) return;
   Track& track = *known;
-  here->second.seen_s = track.seen_s = seen.t_s;
+  track.seen_s = seen.t_s;
+  track.is_ours = track.is_ours || !is_of_other;
   auto& [before, now] = track.by_camera[camera];
   before = now;
   now = {seen.place_mm, seen.t_s};
@@ -241,15 +246,18 @@ void CameraAgreement::begin_again() {
 }
 
 void CameraAgreement::note_difference(const Pair& pair, const Vector2d& off_mm) {
-  constexpr std::size_t kMostParts = 1024;  // as of a field of 16 x 16 m
-  constexpr double kRemembers = 100;        // samples
+  // As of a field of 16 x 16 m. Other computers' cameras leave half of it to ours.
+  constexpr std::size_t kMostParts = 1024;
+  constexpr double kRemembers = 100;  // samples
   const bool is_swapped = pair.b < pair.a;
   const Vector2d place = pair.place_a_mm / kPartMm;
   const PartKey key{std::min(pair.a, pair.b), std::max(pair.a, pair.b),
                     static_cast<int>(std::floor(place.x())), static_cast<int>(std::floor(place.y()))};
   auto known = differences_.find(key);
   if (known == differences_.end()) {
-    if (differences_.size() >= kMostParts) return;
+    const bool is_of_other =
+        cameras_.at(pair.a).is_of_other_computer || cameras_.at(pair.b).is_of_other_computer;
+    if (differences_.size() >= (is_of_other ? kMostParts / 2 : kMostParts)) return;
     const Vector2d middle((key.column + 0.5) * kPartMm, (key.row + 0.5) * kPartMm);
     known = differences_.emplace(key, Difference{key.camera, key.other, middle}).first;
   }

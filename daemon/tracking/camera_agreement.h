@@ -42,7 +42,7 @@ class CameraAgreement {
     double t_s;
   };
 
-  /// Where the camera hangs. To be called before its first sighting; another place means that it was
+  /// Where the camera hangs. To be called before the sightings of each image; another place means that it was
   /// calibrated, and forgets its errors.
   void set_camera(int camera, const Eigen::Vector3d& center_mm, bool is_of_other_computer = false);
 
@@ -91,7 +91,7 @@ class CameraAgreement {
     Eigen::Vector3d center_mm;
     int at;  // its first state
     bool is_of_other_computer;
-    double seen_s = 0;  // last robot
+    std::uint64_t heard;  // when, last: see heard_
   };
   struct Last {
     Eigen::Vector2d place_mm;
@@ -104,6 +104,7 @@ class CameraAgreement {
   struct Track {
     int at;  // its height's state
     double seen_s = 0;
+    bool is_ours = false;                            // our own cameras have seen it
     std::array<Compared, 2> compared{};              // our own cameras; with another computer's
     std::map<int, std::pair<Last, Last>> by_camera;  // before, now
   };
@@ -129,6 +130,7 @@ class CameraAgreement {
   void note_difference(const Pair& pair, const Eigen::Vector2d& off_mm);
 
   std::map<int, Camera> cameras_;
+  std::uint64_t heard_ = 0;  // counts the images of all cameras
   std::map<RobotName, Track> tracks_;
   struct PartKey {
     int camera, other, column, row;

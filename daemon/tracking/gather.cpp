@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/LU>
 
@@ -38,12 +39,17 @@ bool Gather::is_taken(const Params& params, const ArrivedSightings& arrived, dou
   if (!(std::abs(image.t_capture_s - now_s) <= params.max_time_off_s))
     return leave_out(LeftOut::Why::kTime, left_out.images_off_time);
   constexpr double kForgotten_s = 10;
-  std::erase_if(heard_s_, [&](const auto& one) { return std::abs(now_s - one.second) > kForgotten_s; });
-  const auto known = heard_s_.find(image.camera);
+  std::erase_if(heard_, [&](const auto& one) { return std::abs(now_s - one.second.t_s) > kForgotten_s; });
   // Other computers' cameras take no place from our own.
-  if (image.is_of_other_computer && known == heard_s_.end() && heard_s_.size() >= limits::kMaxCameras)
+  if (image.is_of_other_computer && !heard_.contains(image.camera) && heard_.size() >= limits::kMaxCameras)
     return leave_out(LeftOut::Why::kTooMany, left_out.images_of_too_many);
-  heard_s_[image.camera] = now_s;
+  heard_[image.camera] = {now_s, image.is_of_other_computer};
+  if (heard_.size() <= limits::kMaxCameras) return true;
+  // Our own camera takes the place of another computer's that has been silent for longest.
+  const auto silent = std::ranges::min_element(heard_, {}, [](const auto& one) {
+    return std::pair(!one.second.is_of_other_computer, one.second.t_s);
+  });
+  if (silent->second.is_of_other_computer) heard_.erase(silent);
   return true;
 }
 
@@ -58,9 +64,9 @@ void Gather::process(const Params& params, const FieldSize& field, const FieldCl
   out.is_of_other_computer = image.is_of_other_computer;
   out.robots.clear();
   out.balls.clear();
+  left_out.sightings += arrived.left_out;
   out.is_taken = image.is_taken && is_taken(params, arrived, now_s, left_out);
   if (!out.is_taken) return;
-  left_out.sightings += arrived.left_out;
   const auto is_near = [&](const Vector2d& place_mm) {
     return std::abs(place_mm.x()) <= field.field_length / 2.0 + params.reach_mm &&
            std::abs(place_mm.y()) <= field.field_width / 2.0 + params.reach_mm;

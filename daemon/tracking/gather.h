@@ -56,7 +56,11 @@ class Gather {
  private:
   bool is_taken(const Params& params, const ArrivedSightings& arrived, double now_s, LeftOut& left_out);
 
-  std::map<int, double> heard_s_;  // by camera
+  struct Heard {
+    double t_s;
+    bool is_of_other_computer;
+  };
+  std::map<int, Heard> heard_;  // by camera
 };
 
 }  // namespace sslv

@@ -29,13 +29,17 @@ bool RobotTracks::add_to(RobotTrack& track, const RobotObservation& seen,
                          const RobotTrack::Circumstances& now, RobotTrack::Step* step) {
   const bool is_taken = track.add(seen, now, step);
   if (track.is_finite()) return is_taken;
-  track = RobotTrack(seen);
+  track = RobotTrack(seen);  // finite: add() refuses what makes it none
   ++repaired_;
   if (step) *step = track.last_step();
   return true;
 }
 
 bool RobotTracks::add(const RobotObservation& seen, RobotTrack::Step* step) {
+  if (!RobotTrack(seen).is_finite()) {
+    ++repaired_;
+    return false;
+  }
   if (seen.is_of_other_computer && !hears_others_) {
     hears_others_ = true;
     own_ = tracks;

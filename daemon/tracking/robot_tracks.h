@@ -36,7 +36,7 @@ class RobotTracks {
   /// To a place where a ball is.
   std::optional<Nearest> nearest(const Eigen::Vector2d& place_mm, double t_s) const;
 
-  /// Filters that were not finite and were reset by the next sighting.
+  /// Filters that were not finite and were reset, and sightings that would have begun such a one.
   std::uint64_t repaired() const { return repaired_; }
 
   std::map<RobotName, RobotTrack> tracks;

@@ -55,7 +55,7 @@ struct TrackedField {
   std::vector<TrackedRobot> robots;
   std::vector<TrackedBall> balls;  // the first is the one that is played
   std::optional<TrackedKick> kick;
-  std::uint64_t repaired = 0;  // filters that were not finite and were reset, since the start
+  std::uint64_t repaired = 0;  // filters that were not finite and were reset, since tracking began
 };
 
 }  // namespace sslv

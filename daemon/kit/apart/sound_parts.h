@@ -3,8 +3,9 @@
 
 // Whether later stages may rely on what a stage's process sent of an image: they index by labels, places and
 // counts, which a stage inside is trusted with. Robots, balls, times and tracks are validated as those of
-// stages inside (pipeline/senseless.h). Numbers that are not finite were refused when the bytes were decoded.
-// `now` is the frame with all that was sent.
+// stages inside (pipeline/senseless.h), which refuses what is infinite, too; how sure a place is, those who
+// use it look at (SightingsQueue, Gather). What is no number was refused when the bytes were decoded. `now`
+// is the frame with all that was sent.
 
 #include "geometry/limits.h"
 #include "pipeline/camera_stage.h"

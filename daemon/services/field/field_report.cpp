@@ -88,7 +88,7 @@ void report_field(const FieldFacts& facts, HealthReport& report) {
   const LeftOut& left_out = facts.left_out;
   // Of a clock that was set back, nobody knows how long ago it was.
   const double ago_s = facts.now_s - left_out.t_s;
-  if (left_out.camera < 0 || ago_s < 0 || ago_s > kLately_s) return;
+  if (left_out.camera < 0 || !(ago_s >= 0 && ago_s <= kLately_s)) return;
   // Single ones come late on a busy computer, or were in the works when the clock was set.
   constexpr std::uint64_t kOffTime = 5;
   if (left_out.why == LeftOut::Why::kTime) {

@@ -53,7 +53,7 @@ void RunningField::process(const ArrivedSightings& arrived) noexcept {
   setup->pipeline->run({frame_, setup->field, setup->ball, *this, *this}, setup->parameters);
   frames_.fetch_add(1, std::memory_order_relaxed);
   left_out_.store(frame_.left_out);
-  repaired_.store(frame_.agreement.repaired() + frame_.tracked.repaired, std::memory_order_relaxed);
+  repaired_.add(frame_.agreement.repaired() + frame_.tracked.repaired);
   if (const WatchedKick* kick = kick_watch_.add(frame_.observations, frame_.tracked)) ball_.hand_over(*kick);
   const double now_s = unix_time_s();
   if (now_s >= agreement_due_s_ || agreement_due_s_ > now_s + 2 * kAgreementEvery_s) {

@@ -36,6 +36,20 @@ struct FieldSetup {
   bool sends = false;  // tracks to the network
 };
 
+/// The sum of a count that begins again at 0 now and then. One thread adds, any reads.
+class CountOverRestarts {
+ public:
+  void add(std::uint64_t count) noexcept {
+    if (count > last_) total_.fetch_add(count - last_, std::memory_order_relaxed);
+    last_ = count;
+  }
+  std::uint64_t total() const noexcept { return total_.load(std::memory_order_relaxed); }
+
+ private:
+  std::uint64_t last_ = 0;
+  std::atomic<std::uint64_t> total_{0};
+};
+
 /// The field's stack in a thread of its own, which yields to the cameras' threads and waits for nothing but
 /// what they hand over. The rest may be called from any thread.
 class RunningField final : private FieldSink, private FieldClock {
@@ -56,7 +70,7 @@ class RunningField final : private FieldSink, private FieldClock {
   /// Images of all cameras.
   std::uint64_t frames() const { return frames_.load(std::memory_order_relaxed); }
   /// Filters that were not finite and were reset; likewise.
-  std::uint64_t repaired() const { return repaired_.load(std::memory_order_relaxed); }
+  std::uint64_t repaired() const { return repaired_.total(); }
   /// From when a camera handed over what it saw to when tracks are on the socket.
   const RecentDurations& latency() const { return latency_; }
   const DurationTotals& latency_total() const { return latency_total_; }
@@ -86,7 +100,8 @@ class RunningField final : private FieldSink, private FieldClock {
   MulticastSender& out_;
   BallLearning& ball_;
   Handover<FieldSetup> setup_;
-  std::atomic<std::uint64_t> frames_{0}, repaired_{0};
+  std::atomic<std::uint64_t> frames_{0};
+  CountOverRestarts repaired_;  // the tracks' begins again with a new stack, and where the clock is set back
   RecentDurations latency_;
   DurationTotals latency_total_;
   std::vector<DurationTotals> stage_totals_;

@@ -4,6 +4,7 @@
 #include "geometry/limits.h"
 
 #include <cmath>
+#include <limits>
 
 #include <gmock/gmock.h>
 
@@ -164,6 +165,21 @@ TEST_F(Intake, LeavesOutWhatNoCameraCanSee) {
   EXPECT_EQ(got.left_out, 1U);
   ASSERT_EQ(got.image.balls.size(), 1U);
   EXPECT_TRUE(std::isinf(got.image.balls[0].height_sigma_mm)) << "nobody knows how high it is";
+  balls_.balls[0].radius_mm = std::numeric_limits<double>::infinity();
+  queue->hand_over(info(2), scene_, robots_, balls_);
+  EXPECT_TRUE(std::isinf(take().image.balls.at(0).height_sigma_mm));
+}
+
+TEST_F(Intake, CountsWhatACameraOfNoPossiblePlaceSaw) {
+  const auto queue = intake_.add();
+  CameraCalibration calibration = scene_.camera->calibration();
+  calibration.tz = 200'000;
+  scene_.camera.emplace(calibration);
+  balls_.balls.resize(2);
+  queue->hand_over(info(1), scene_, robots_, balls_);
+  const ArrivedSightings got = take();
+  EXPECT_FALSE(got.image.is_taken);
+  EXPECT_EQ(got.left_out, 3U);
 }
 
 TEST_F(Intake, ForgetsCamerasThatAreGoneButNotWhatTheyLost) {

@@ -73,7 +73,10 @@ TEST(Senseless, IsAConfidenceOutsideItsRange) {
 }
 
 TEST(Senseless, IsNotAPlaceThatIsNotKnownToBeSure) {
-  EXPECT_EQ(dropped_with([](Robot& robot) { robot.place_cov.xx_mm2 = kNan; }), 0U);
+  for (const double unknown : {kNan, kInfinite}) {
+    EXPECT_EQ(dropped_with([&](Robot& robot) { robot.place_cov.xx_mm2 = unknown; }), 0U);
+    EXPECT_EQ(dropped_with([&](Robot& robot) { robot.orientation_sigma_rad = unknown; }), 0U);
+  }
 }
 
 TEST(Senseless, IsABallLikewise) {
@@ -166,7 +169,10 @@ TEST(Senseless, IsAnImageOfNowhereOrOfNoTime) {
            [](auto& image) { image.camera_mm.x() = kNan; }, [](auto& image) { image.camera_mm.z() = 1e6; }}) {
     CameraSightings image = image_of(3);
     spoil(image);
-    EXPECT_EQ(drop_senseless(image).others, 1U);
+    const Senseless dropped = drop_senseless(image);
+    EXPECT_EQ(dropped.robots, 3U);
+    EXPECT_EQ(dropped.balls, 1U);
+    EXPECT_EQ(dropped.others, 1U);
     EXPECT_FALSE(image.is_taken);
     EXPECT_THAT(image.robots, SizeIs(0));
   }

@@ -300,6 +300,36 @@ TEST_F(ManyCameras, RobotsOfOtherComputersLeaveRoomForOurs) {
   EXPECT_LT(apart_mm(agreement, a, b), 0.3);
 }
 
+TEST_F(ManyCameras, RobotsOfOtherComputersPushNoneOfOursOut) {
+  CameraAgreement agreement;
+  agreement.set_camera(0, center(0));
+  agreement.set_camera(21, center(21), true);
+  agreement.see(0, {kRobot, {0, 0}, 140, 100});
+  for (int id = 0; id < 200; ++id) agreement.see(21, {{Team::kBlue, id}, {0, 0}, 140, 100.0 + 2 * id});
+  EXPECT_TRUE(agreement.height_of(kRobot)) << "ours was not seen for minutes, as in a break";
+  EXPECT_TRUE(agreement.height_of({Team::kBlue, 190})) << "theirs make room for one another";
+}
+
+TEST_F(ManyCameras, DifferencesOfOtherComputersLeaveRoomForOurs) {
+  CameraAgreement agreement;
+  for (const int id : {0, 1, 21}) agreement.set_camera(id, {0, 0, 4000.0 + id}, id == 21);
+  double t_s = 100;
+  const auto compare_at = [&](int a, int b, int part) {
+    const int column = part % 34 - 17, row = part / 34 - 17;
+    const Vector2d at = CameraAgreement::kPartMm * Vector2d(column + 0.5, row + 0.5);
+    agreement.see(a, {kRobot, at, 140, t_s});
+    agreement.see(b, {kRobot, at, 140, t_s + 0.002});
+    agreement.see(a, {kRobot, at, 140, t_s + 0.004});
+    t_s += 0.2;
+  };
+  for (int part = 0; part < 34 * 34; ++part) compare_at(0, 21, part);
+  for (int part = 0; part < 10; ++part) compare_at(0, 1, part);
+  int others = 0, ours = 0;
+  agreement.for_differences([&](const auto& one) { ++(one.other == 21 ? others : ours); });
+  EXPECT_EQ(others, 512);
+  EXPECT_EQ(ours, 10);
+}
+
 TEST_F(ManyCameras, ThatAreSilentMakeRoom) {
   CameraAgreement agreement;
   for (int id = 20; id < 120; ++id) agreement.set_camera(id, center(id), true);
@@ -310,6 +340,8 @@ TEST_F(ManyCameras, ThatAreSilentMakeRoom) {
   play(agreement, {a, b, other}, 100, 25);
   EXPECT_LT(apart_mm(agreement, a, b), 0.3) << "our own come late";
   EXPECT_LT(apart_mm(agreement, a, other), 0.5) << "and so does another one that sends";
+  for (int id = 0; id < 32; ++id) agreement.set_camera(id, center(id), id >= 2);
+  agreement.for_cameras([](int id) { EXPECT_LT(id, 32) << "whatever robots those saw that are silent"; });
 }
 
 TEST(Agreement, KeepsWhatAnotherComputersCameraSawApart) {

@@ -120,9 +120,13 @@ TEST_F(Gathered, LeavesOutMoreCamerasThanAnyFieldHas) {
   EXPECT_TRUE(out_.is_taken) << "our own camera, which comes late";
   arrived_.image.is_of_other_computer = true;
   EXPECT_EQ(left_out_.images_of_too_many, 100 - limits::kMaxCameras);
-  arrived_.image.camera = 0;
-  gather();
-  EXPECT_TRUE(out_.is_taken) << "those that were there first go on";
+  int taken = 0;
+  for (int camera = 0; camera < 32; ++camera) {
+    arrived_.image.camera = camera;
+    gather();
+    taken += out_.is_taken;
+  }
+  EXPECT_EQ(taken, 31) << "those that were there first go on, but for one that made room for our own";
   clock_.t_s += 60;
   arrived_.image.t_capture_s += 60;
   arrived_.image.camera = 99;
@@ -143,8 +147,10 @@ TEST_F(Gathered, SaysHowCertainASightingIsWhereItsCameraDoesNot) {
 TEST_F(Gathered, LeavesOutACameraThatHangsNowhere) {
   for (const double z_mm : {0.0, -4000.0, kNan, 1e9}) {
     arrived_.image.camera_mm.z() = z_mm;
+    left_out_ = {};
     gather();
     EXPECT_FALSE(out_.is_taken) << z_mm;
+    EXPECT_EQ(left_out_.sightings, 2U) << z_mm << ": what it saw is counted";
   }
 }
 

@@ -454,9 +454,14 @@ TEST_F(OneRobot, IsSeenAgainAfterWhatNoFilterStands) {
     Observations seen;
     seen.robots.push_back({kName, 0, t_s_, 2e-5, {1000, 0}, 0, Eigen::Matrix2d::Identity() * 0.01, 1e-3});
     spoils[i](seen.robots[0]);
+    Tracker begun_by_it;
+    begun_by_it.add(seen);
     tracker_.add(seen);
+    EXPECT_EQ(tracker_.repaired(), 1U) << i;
     t_s_ += 0.0125;
     for (int image = 0; image < 4; ++image) see(1000);
+    EXPECT_EQ(tracker_.repaired(), 1U) << i << ": no track was left that is not finite";
+    EXPECT_EQ(begun_by_it.repaired(), RobotTrack(seen.robots[0]).is_finite() ? 0U : 1U) << i;
     ASSERT_TRUE(now()) << i;
     EXPECT_NEAR(now()->place_mm.x(), 1000, 1) << i;
     EXPECT_TRUE(std::isfinite(now()->turn_rad_s) && std::isfinite(now()->place_sigma_mm)) << i;

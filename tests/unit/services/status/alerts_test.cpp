@@ -12,6 +12,7 @@
 #include "services/verdict/verdict_report.h"
 #include "support/paths.h"
 
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <set>
@@ -192,6 +193,20 @@ std::vector<Alert> field_alerts() {
     report_field(facts, report);
   }
   return report.alerts;
+}
+
+TEST(FieldAlerts, WhatAStageLeftOutAtNoTimeIsOver) {
+  FieldFacts facts;
+  facts.config = std::make_shared<Config>();
+  facts.now_s = 1000;
+  facts.left_out.why = LeftOut::Why::kTooMany;
+  facts.left_out.camera = 2;
+  for (const double t_s : {std::nan(""), HUGE_VAL, -HUGE_VAL, 995.0}) {
+    facts.left_out.t_s = t_s;
+    HealthReport report;
+    report_field(facts, report);
+    EXPECT_EQ(report.alerts.empty(), t_s != 995) << t_s;
+  }
 }
 
 TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
