@@ -55,12 +55,14 @@ SSL_GeometryFieldSize sizes_of(const SSL_GeometryFieldSize& field) {
   return sizes;
 }
 
-/// Returns how many are left out.
+/// Returns how many are left out. Both teams have room, however many robots one of them has.
 std::uint64_t add_sightings(const google::protobuf::RepeatedPtrField<SSL_DetectionRobot>& robots, Team team,
                             CameraSightings& out) {
   std::uint64_t left_out = 0;
+  std::size_t added = 0;
   for (const SSL_DetectionRobot& robot : robots) {
-    if (!robot.has_robot_id() || !robot.has_orientation() || !is_id(robot.robot_id())) {
+    if (added == limits::kMaxRobots / 2 || !robot.has_robot_id() || !robot.has_orientation() ||
+        !is_id(robot.robot_id())) {
       ++left_out;
       continue;
     }
@@ -71,6 +73,7 @@ std::uint64_t add_sightings(const google::protobuf::RepeatedPtrField<SSL_Detecti
                           robot.has_height() ? static_cast<double>(robot.height()) : kUsualRobotHeightMm,
                           Eigen::Matrix2d::Zero(),
                           0});
+    ++added;
   }
   return left_out;
 }
@@ -84,8 +87,8 @@ VisionMessage::Detection detection_of(const SSL_DetectionFrame& frame) {
   image.frame_number = frame.frame_number();
   image.t_capture_s = frame.t_capture();
   image.is_of_other_computer = true;
-  out.arrived.left_out = add_sightings(frame.robots_yellow(), Team::kYellow, image) +
-                         add_sightings(frame.robots_blue(), Team::kBlue, image);
+  out.arrived.left_out = add_sightings(frame.robots_yellow(), Team::kYellow, image);
+  out.arrived.left_out += add_sightings(frame.robots_blue(), Team::kBlue, image);
   for (const SSL_DetectionBall& ball : frame.balls())
     image.balls.push_back({{ball.x(), ball.y()}, Eigen::Matrix2d::Zero(), ball.confidence()});
   const Senseless dropped = drop_senseless(image);

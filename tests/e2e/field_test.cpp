@@ -244,12 +244,14 @@ TEST_F(Field, ForeignNonsenseHarmsNoTrack) {
   above.tz = 4000;
   above.pixel_image_width = 640;
   above.pixel_image_height = 480;
-  // Cameras of ids that nobody has, and one of ours.
-  std::vector<CalibratedCamera> cameras;
-  for (std::uint32_t id = 0; id < 60; ++id) cameras.push_back({id, CameraModel(above)});
+  // Cameras of ids that nobody has, and one of ours; in two packets, as more of one are not believed.
   SSL_WrapperPacket packet;
-  write_geometry({read_config(settings_).field, cameras, {}}, packet);
-  stranger.send(serialize(packet, buffer));
+  for (const auto& [first, end] : {std::pair(0U, 32U), std::pair(32U, 60U)}) {
+    std::vector<CalibratedCamera> cameras;
+    for (std::uint32_t id = first; id < end; ++id) cameras.push_back({id, CameraModel(above)});
+    write_geometry({read_config(settings_).field, cameras, {}}, packet);
+    stranger.send(serialize(packet, buffer));
+  }
 
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const SimulatedWorld world = simulated_world(read_config(settings_));

@@ -5,6 +5,7 @@
 #include "net/packets.h"
 #include "support/paths.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -106,6 +107,25 @@ TEST(VisionMessage, HasNoLongLists) {
   EXPECT_EQ(message_of(packet)->cameras.size(), limits::kMaxCameras);
 }
 
+TEST(VisionMessage, ATeamOfManyRobotsLeavesRoomForTheOther) {
+  for (const bool yellow_has_many : {false, true}) {
+    SSL_WrapperPacket packet = detection(2, 0);
+    SSL_DetectionFrame& frame = *packet.mutable_detection();
+    auto& many = yellow_has_many ? *frame.mutable_robots_yellow() : *frame.mutable_robots_blue();
+    for (std::size_t i = 1; i < limits::kMaxRobots; ++i) {
+      const SSL_DetectionRobot one = many[0];
+      *many.Add() = one;
+    }
+    const auto message = message_of(packet);
+    ASSERT_TRUE(message && message->detection);
+    const auto& robots = message->detection->arrived.image.robots;
+    EXPECT_EQ(robots.size(), limits::kMaxRobots / 2 + 1);
+    EXPECT_EQ(std::ranges::count(robots, yellow_has_many ? Team::kBlue : Team::kYellow, &RobotSighting::team),
+              1);
+    EXPECT_EQ(message->detection->arrived.left_out, limits::kMaxRobots / 2);
+  }
+}
+
 TEST(VisionMessage, KnowsNoCameraThatHangsNowhere) {
   SSL_WrapperPacket packet;
   write_geometry({}, packet);
@@ -152,6 +172,7 @@ TEST(VisionMessage, ItsLimitsStandInTheDocs) {
   row("where a camera hangs", fmt::format("{:.0f} mm above the floor or higher, up to {:.0f} mm away",
                                           limits::kMinCameraMm, limits::kMaxCameraMm));
   row("robots in an image, a packet, the tracks", limits::kMaxRobots);
+  row("robots of a team in a packet of another vision", limits::kMaxRobots / 2);
   row("balls in an image's detections", limits::kMaxBalls);
   row("balls of an image for the tracks, balls in the tracks", limits::kMaxFieldBalls);
   row("cameras of one computer, cameras that are tracked together", limits::kMaxCameras);
