@@ -70,6 +70,10 @@ std::string why_not_sent_to(const address_v4& destination, const std::string& in
          " has the broadcast address " + destination.to_string() + "; there are " + known;
 }
 
+void add_clause(std::string& text, const std::string& clause) {
+  text += (text.empty() ? "" : "; ") + clause;
+}
+
 bool is_routing_error(int error) {
   return error == ENETUNREACH || error == EHOSTUNREACH || error == ENODEV || error == ENETDOWN;
 }
@@ -137,30 +141,21 @@ void MulticastSender::configure(const MulticastSettings& settings, const std::st
 }
 
 void MulticastSender::open() {
-  Words words{{}, {}, advice()};
-  std::array<std::uint32_t, kWays> addresses{};  // 0: nothing goes there
+  is_open_ = false;
   try {
     udp::socket socket = open_socket(io_, settings_);
     own_ports_ = own_ports_ << 16 | socket.local_endpoint().port();
-    const std::array<const std::string*, kWays> to{&settings_.group, &settings_.broadcast};
-    for (std::size_t way = 0; way < kWays; ++way) {
-      if (to[way]->empty()) continue;
-      words.to[way] = *to[way] + ":" + std::to_string(settings_.port);
-      const address_v4 address = asio::ip::make_address_v4(*to[way]);
-      std::string why = why_not_sent_to(address, settings_.interface);
-      if (why.empty()) addresses[way] = address.to_uint();
-      if (!why.empty()) words.open_error = std::move(why);
-    }
-    publish(socket.native_handle(), addresses);
+    keep(socket.native_handle());
+    is_open_ = true;
+    find_ways();
   } catch (const std::exception& caught) {
     for (auto& way : ways_) way = 0;
-    words.open_error = caught.what();
+    words_.store(Words{{}, caught.what(), advice()});
   }
-  words_.store(std::move(words));
 }
 
-/// Puts a copy of the socket into the older of the two places and lets senders go there.
-void MulticastSender::publish(int socket, const std::array<std::uint32_t, kWays>& addresses) {
+/// Puts a copy of the socket into the older of the two places.
+void MulticastSender::keep(int socket) {
   const std::size_t place = 1 - newest_place_;
   const int number =
       sockets_[place] < 0 ? ::fcntl(socket, F_DUPFD_CLOEXEC, 0) : ::dup3(socket, sockets_[place], O_CLOEXEC);
@@ -168,11 +163,26 @@ void MulticastSender::publish(int socket, const std::array<std::uint32_t, kWays>
   // Written before a sender is told of the place, and not again: one may be reading it.
   if (sockets_[place] < 0) sockets_[place] = number;
   newest_place_ = place;
+}
+
+/// Lets senders go by the newest socket, where subnets of this computer let them.
+void MulticastSender::find_ways() {
+  Words words{{}, {}, advice()};
+  std::array<std::uint64_t, kWays> found{};  // 0: nothing goes there
+  const std::array<const std::string*, kWays> to{&settings_.group, &settings_.broadcast};
   for (std::size_t way = 0; way < kWays; ++way) {
-    ways_[way] = addresses[way] == 0
-                     ? 0
-                     : Way{addresses[way], static_cast<std::uint16_t>(settings_.port), place}.word();
+    if (to[way]->empty()) continue;
+    words.to[way] = *to[way] + ":" + std::to_string(settings_.port);
+    const address_v4 address = asio::ip::make_address_v4(*to[way]);
+    const std::string why = why_not_sent_to(address, settings_.interface);
+    if (why.empty()) {
+      found[way] = Way{address.to_uint(), static_cast<std::uint16_t>(settings_.port), newest_place_}.word();
+    } else {
+      add_clause(words.open_error, why);
+    }
   }
+  for (std::size_t way = 0; way < kWays; ++way) ways_[way] = found[way];
+  words_.store(std::move(words));
 }
 
 bool MulticastSender::send(std::span<const std::byte> packet) noexcept {
@@ -181,9 +191,10 @@ bool MulticastSender::send(std::span<const std::byte> packet) noexcept {
     const std::uint64_t word = ways_[way].load(std::memory_order_acquire);
     if (word != 0) (send_to(way, word, packet) ? is_sent : is_lost) = true;
   }
-  is_sent = is_sent && !is_lost;
-  (is_sent ? counts_.packets_sent : counts_.send_errors).fetch_add(1, std::memory_order_relaxed);
-  return is_sent;
+  const bool is_whole = is_sent && !is_lost;
+  if (is_sent) counts_.packets_sent.fetch_add(1, std::memory_order_relaxed);
+  if (!is_whole) counts_.send_errors.fetch_add(1, std::memory_order_relaxed);
+  return is_whole;
 }
 
 bool MulticastSender::send_to(std::size_t way, std::uint64_t word,
@@ -202,15 +213,17 @@ bool MulticastSender::send_to(std::size_t way, std::uint64_t word,
   return sent >= 0;
 }
 
+int MulticastSender::error_of(std::size_t way) const {
+  return ways_[way] == 0 ? 0 : send_errors_[way].load();
+}
+
 std::string MulticastSender::error_text(const Words& words) const {
-  if (!words.open_error.empty()) return words.open_error;
-  std::string text;
+  std::string text = words.open_error;
   for (std::size_t way = 0; way < kWays; ++way) {
-    const int error = send_errors_[way];
+    const int error = error_of(way);
     if (error == 0) continue;
-    text += (text.empty() ? "" : "; ") + ("cannot send to " + words.to[way]) + ": " +
-            std::generic_category().message(error);
-    if (is_routing_error(error)) text += "; " + words.advice;
+    add_clause(text, "cannot send to " + words.to[way] + ": " + std::generic_category().message(error));
+    if (is_routing_error(error)) add_clause(text, words.advice);
   }
   return text;
 }
@@ -226,8 +239,7 @@ bool MulticastSender::is_own(const udp::endpoint& sender) const {
 
 MulticastStatus MulticastSender::status() const {
   bool leaves = false;
-  for (std::size_t way = 0; way < kWays; ++way)
-    leaves = leaves || (ways_[way] != 0 && send_errors_[way] == 0);
+  for (std::size_t way = 0; way < kWays; ++way) leaves = leaves || (ways_[way] != 0 && error_of(way) == 0);
   return {counts_.packets_sent, counts_.send_errors, counts_.packets_per_s, error_text(*words_.load()),
           leaves};
 }
@@ -250,10 +262,9 @@ void MulticastSender::watch(const std::stop_token& stop) {
 
     const std::lock_guard control(control_mutex_);
     const auto words = words_.load();
-    const bool failing =
-        !words->open_error.empty() || std::ranges::any_of(send_errors_, [](const auto& error) {
-          return error != 0 && error != EWOULDBLOCK;
-        });
+    bool is_failing = !is_open_;
+    for (std::size_t way = 0; way < kWays; ++way)
+      is_failing = is_failing || (error_of(way) != 0 && error_of(way) != EWOULDBLOCK);
     std::string error = error_text(*words);
     if (error != logged) {
       if (error.empty()) {
@@ -263,7 +274,11 @@ void MulticastSender::watch(const std::stop_token& stop) {
       }
       logged = std::move(error);
     }
-    if (failing) open();
+    if (is_failing) {
+      open();
+    } else if (!words->open_error.empty()) {
+      find_ways();  // by the same socket, as is_own() knows the ports of only two
+    }
   }
 }
 

@@ -60,17 +60,17 @@ void check_group(const std::string& group, const std::string& path);
 void check_multicast(const MulticastSettings& settings, const std::string& path);
 
 struct MulticastStatus {
-  std::uint64_t packets_sent = 0;
-  std::uint64_t send_errors = 0;  // packets that did not leave
-  double packets_per_s = 0;       // over the last second
-  std::string error;              // why packets do not leave at present and what to do; empty when they do
-  bool some_leave = false;        // beside an error: to the group or to the broadcast address they do
+  std::uint64_t packets_sent = 0;  // that left, at least one of two ways
+  std::uint64_t send_errors = 0;   // packets that did not leave, or failed one of two ways
+  double packets_per_s = 0;        // sent, over the last second
+  std::string error;               // why packets do not leave at present and what to do; empty when they do
+  bool some_leave = false;         // beside an error: to the group or to the broadcast address they do
 };
 
 /// Sends datagrams to a multicast group, to a broadcast address, or to both. Any thread may send; nobody
 /// waits, not even for a thread of lower priority that asks for the status: what the system does not take at
 /// once is lost and counted. A socket that cannot be opened or cannot send is reopened every second. A
-/// broadcast address that is not there keeps no packet from the group.
+/// broadcast address that is not there keeps no packet from the group, and is looked for every second.
 class MulticastSender {
  public:
   /// Throws as configure() does.
@@ -109,16 +109,20 @@ class MulticastSender {
     std::atomic<double> packets_per_s{0};
   };
 
-  void open();  // with control_mutex_ held
-  void publish(int socket, const std::array<std::uint32_t, kWays>& addresses);
+  // These three with control_mutex_ held.
+  void open();
+  void keep(int socket);
+  void find_ways();
   void watch(const std::stop_token& stop);
+  int error_of(std::size_t way) const;  // errno; 0 also where nothing goes
   std::string error_text(const Words& words) const;
   bool send_to(std::size_t way, std::uint64_t word, std::span<const std::byte> packet) noexcept;
 
-  std::mutex control_mutex_;  // guards the four below; held while a socket is opened, and by no sender
+  std::mutex control_mutex_;  // guards the five below; held while a socket is opened, and by no sender
   MulticastSettings settings_;
   boost::asio::io_context io_;
   std::size_t newest_place_ = 0;
+  bool is_open_ = false;  // there is a socket in it
 
   // Numbers that lead to sockets as long as this lives, once they are not -1: the newest and the one before
   // it, so that a sender that was interrupted still sends by the settings that it began with.

@@ -2,6 +2,7 @@
 #include "services/health_report.h"
 
 #include <algorithm>
+#include <cctype>
 
 #include <fmt/format.h>
 
@@ -56,6 +57,12 @@ void HealthReport::finish() {
 bool HealthReport::is_go() const {
   return std::none_of(checks.begin(), checks.end(),
                       [](const Check& check) { return check.state == CheckState::kFail; });
+}
+
+std::string title_not_sent(std::string what, bool some_leave) {
+  if (!some_leave) return fmt::format("No {} are sent", what);
+  what[0] = static_cast<char>(std::toupper(what[0]));
+  return what + " do not leave both ways";
 }
 
 Json to_json(const Alert& alert) {

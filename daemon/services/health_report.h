@@ -59,6 +59,10 @@ struct HealthReport {
   bool is_go() const;
 };
 
+/// The title of an alert; `what`: packets, tracks. `some_leave`: to the group or to the broadcast address
+/// they do.
+std::string title_not_sent(std::string what, bool some_leave);
+
 /// As docs/openapi.json has them.
 Json to_json(const Alert& alert);
 Json to_json(const Check& check);

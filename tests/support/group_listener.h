@@ -58,13 +58,17 @@ class GroupListener {
     std::array<char, 65536> data;
     alignas(cmsghdr) std::array<char, 256> control;
     iovec part{data.data(), data.size()};
+    sockaddr_in sender{};
     msghdr message{};
+    message.msg_name = &sender;
+    message.msg_namelen = sizeof sender;
     message.msg_iov = &part;
     message.msg_iovlen = 1;
     message.msg_control = control.data();
     message.msg_controllen = control.size();
     const ssize_t size = recvmsg(fd_, &message, 0);
     if (size < 0) return std::nullopt;
+    last_sender_port_ = ntohs(sender.sin_port);
     for (const cmsghdr* item = CMSG_FIRSTHDR(&message); item;
          item = CMSG_NXTHDR(&message, const_cast<cmsghdr*>(item))) {
       if (item->cmsg_level == IPPROTO_IP && item->cmsg_type == IP_TTL) {
@@ -77,6 +81,7 @@ class GroupListener {
   }
 
   int last_ttl() const { return last_ttl_; }
+  std::uint16_t last_sender_port() const { return last_sender_port_; }
   /// Datagrams that found no place because this was read too late.
   std::uint32_t overflows() const { return overflows_; }
 
@@ -90,7 +95,7 @@ class GroupListener {
   }
 
   int fd_;
-  std::uint16_t port_ = 0;
+  std::uint16_t port_ = 0, last_sender_port_ = 0;
   int last_ttl_ = 0;
   std::uint32_t overflows_ = 0;
 };

@@ -55,7 +55,7 @@ void report_field(const FieldFacts& facts, HealthReport& report) {
     report.alerts.push_back({.id = "tracks_not_sent",
                              .check = "network",
                              .severity = Severity::kWarn,
-                             .title = "No tracks are sent",
+                             .title = title_not_sent("tracks", facts.some_leave),
                              .fix = facts.sending_error + "; the service tries again automatically.",
                              .page = "#/settings/network/tracker"});
   }

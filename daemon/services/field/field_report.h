@@ -28,7 +28,8 @@ struct FieldFacts {
   LeftOut left_out;
   std::uint64_t images_off_time_lately = 0;  // in the last ten seconds
   double now_s = 0;                          // Unix time
-  std::string sending_error;                 // why no tracks leave; empty: they do, or are not to
+  std::string sending_error;                 // why tracks do not leave; empty: they do, or are not to
+  bool some_leave = false;                   // as MulticastStatus says
   std::vector<HeardCameras::Conflict> conflicts;
   StackFacts stack{};          // of the field
   std::optional<Hang> hang{};  // of its thread

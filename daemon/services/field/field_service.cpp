@@ -263,6 +263,7 @@ std::vector<Route> FieldService::routes() {
 }
 
 void FieldService::report(HealthReport& report) const {
+  const MulticastStatus sent = sender_.status();
   const std::lock_guard history_lock(history_mutex_);
   FieldFacts facts{.config = config_.load(),
                    .agreement = running_.agreement(),
@@ -270,7 +271,8 @@ void FieldService::report(HealthReport& report) const {
                    .left_out = running_.left_out(),
                    .images_off_time_lately = images_off_time_lately(),
                    .now_s = unix_time_s(),
-                   .sending_error = running_.setup()->sends ? sender_.status().error : "",
+                   .sending_error = running_.setup()->sends ? sent.error : "",
+                   .some_leave = sent.some_leave,
                    .conflicts = {},
                    .stack = stack_facts(),
                    .hang = hang(),

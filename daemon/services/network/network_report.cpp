@@ -94,13 +94,12 @@ void add_referee_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
 
 void add_network_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
   if (!facts.multicast.error.empty()) {
-    alerts.push_back(
-        {.id = "not_sending",
-         .check = "network",
-         .severity = Severity::kBad,
-         .title = facts.multicast.some_leave ? "Packets do not leave both ways" : "No packets are sent",
-         .fix = facts.multicast.error + "; the service tries again automatically.",
-         .page = "#/settings/network/vision"});
+    alerts.push_back({.id = "not_sending",
+                      .check = "network",
+                      .severity = Severity::kBad,
+                      .title = title_not_sent("packets", facts.multicast.some_leave),
+                      .fix = facts.multicast.error + "; the service tries again automatically.",
+                      .page = "#/settings/network/vision"});
     return;  // that says what to do about those below too
   }
   if (const std::string& card = facts.cards.without_link; !card.empty()) {

@@ -5,18 +5,14 @@
 #include "support/becomes.h"
 #include "support/group_listener.h"
 #include "support/held_thread.h"
+#include "support/own_network.h"
 
 #include <array>
 #include <atomic>
 #include <cerrno>
-#include <functional>
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <net/if.h>
-#include <sched.h>
-#include <sys/ioctl.h>
-#include <sys/wait.h>
 
 namespace sslv {
 namespace {
@@ -24,15 +20,6 @@ namespace {
 using testing::HasSubstr;
 using testing::Optional;
 using testing::StartsWith;
-
-/// Runs `act` in a process of its own; its result is the exit status.
-int in_child(const std::function<int()>& act) {
-  const pid_t child = fork();
-  if (child == 0) _exit(act());
-  int status = 0;
-  waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
-}
 
 TEST(Multicast, ReachesAListenerThroughAnInterfaceGivenByAddressOrName) {
   GroupListener listener;
@@ -181,24 +168,15 @@ TEST(Multicast, AFailedPacketIsCountedAndTheNextClearsTheError) {
   EXPECT_EQ(sender.status().error, "");
 }
 
-// Values that the child processes below exit with.
-constexpr int kPassed = 0, kNoNamespaces = 77;
-
-/// In a fresh network namespace, where the loopback interface is down at first.
-template <class Act>
-int without_network(Act act) {
-  return in_child([&] { return unshare(CLONE_NEWUSER | CLONE_NEWNET) == 0 ? act() : kNoNamespaces; });
-}
-
-bool bring_loopback_up() {
-  const int fd = socket(AF_INET, SOCK_DGRAM, 0);
-  ifreq request{};
-  request.ifr_name[0] = 'l';
-  request.ifr_name[1] = 'o';
-  request.ifr_flags = IFF_UP;
-  const bool up = ioctl(fd, SIOCSIFFLAGS, &request) == 0;
-  close(fd);
-  return up;
+TEST(Multicast, ABroadcastAddressOfNoSubnetHidesNoFailureOfTheGroup) {
+  GroupListener listener;
+  MulticastSettings settings = settings_for(listener);
+  settings.broadcast = "203.0.113.255";
+  MulticastSender sender(settings);
+  EXPECT_FALSE(send(sender, std::string(70'000, 'x')));
+  EXPECT_THAT(sender.status().error,
+              AllOf(StartsWith("no subnet of network card 127.0.0.1 has the broadcast address 203.0.113.255"),
+                    HasSubstr("; cannot send to 239.255.77.77:"), HasSubstr("Message too long")));
 }
 
 TEST(Multicast, WithoutARouteTheErrorSaysToSetTheInterface) {
@@ -228,6 +206,28 @@ TEST(Multicast, ComesBackByItselfWhenTheInterfaceAppears) {
     });
     if (!is_back) return 3;
     return sender.status().error.empty() ? kPassed : 2;
+  });
+  if (status == kNoNamespaces) GTEST_SKIP() << "this system gives no network namespace";
+  EXPECT_EQ(status, kPassed);
+}
+
+TEST(Multicast, ABroadcastAddressThatComesAndGoesChangesNothingForTheGroup) {
+  const int status = without_network([] {
+    if (!bring_loopback_up() || !set_loopback(SIOCSIFNETMASK, "255.255.255.0")) return kNoNamespaces;
+    GroupListener listener;
+    MulticastSettings settings = settings_for(listener);
+    settings.broadcast = "127.255.255.255";  // of a /8
+    MulticastSender sender(settings);
+    if (!send(sender, "x") || !listener.receive() || sender.status().error.empty()) return 1;
+    const std::uint16_t port = listener.last_sender_port();
+    if (!set_loopback(SIOCSIFNETMASK, "255.0.0.0")) return kNoNamespaces;
+    if (!test::becomes([&] { return sender.status().error.empty(); })) return 2;
+    if (!send(sender, "x") || !listener.receive()) return 3;
+    if (listener.last_sender_port() != port) return 4;  // a reader that is late would take it for another's
+    if (!set_loopback(SIOCSIFNETMASK, "255.255.255.0")) return kNoNamespaces;
+    if (send(sender, "x") || !listener.receive()) return 5;
+    const MulticastStatus now = sender.status();
+    return now.packets_sent == 3 && now.send_errors == 1 && now.some_leave ? kPassed : 6;
   });
   if (status == kNoNamespaces) GTEST_SKIP() << "this system gives no network namespace";
   EXPECT_EQ(status, kPassed);

@@ -482,6 +482,16 @@ TEST_F(Alerts, SayWhetherPacketsLeaveOneOfTwoWays) {
   EXPECT_EQ(only_alert().title, "No packets are sent");
   input_.network.some_leave = true;
   EXPECT_EQ(only_alert().title, "Packets do not leave both ways");
+  FieldFacts facts;
+  facts.config = std::make_shared<Config>();
+  facts.sending_error = input_.network.error;
+  for (const char* title : {"No tracks are sent", "Tracks do not leave both ways"}) {
+    HealthReport report;
+    report_field(facts, report);
+    ASSERT_EQ(report.alerts.size(), 1U);
+    EXPECT_EQ(report.alerts[0].title, title);
+    facts.some_leave = true;
+  }
 }
 
 TEST_F(Alerts, OfManyStrangersAreOneOfEachKind) {
