@@ -119,6 +119,8 @@ std::string packets_text(const Json& packets) {
                                 packets.at("port").get<int>());
   const auto why = packets.at("not_heard_because").get<std::string>();
   if (!why.empty()) out += "not heard: " + why + "\n";
+  const auto no_broadcasts = packets.at("broadcasts_not_heard_because").get<std::string>();
+  if (!no_broadcasts.empty()) out += "broadcasts not heard: " + no_broadcasts + "\n";
   out += arrivals_text(packets.at("arrivals"));
   for (const Json& heard : packets.at("detections")) out += detection_text(heard);
   const Json& geometry = packets.at("geometry");

@@ -10,10 +10,12 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <functional>
 #include <future>
+#include <stdexcept>
 #include <string_view>
 #include <system_error>
 #include <thread>
@@ -36,19 +38,26 @@ using asio::ip::udp;
 
 constexpr int kSilentLooks = 10;  // then the group is joined again
 
+/// The name of the card that was asked for, or that the system's routes lead to. Throws std::runtime_error.
+std::string card_of(const GroupAddress& where) {
+  if (!where.interface.empty()) return network_card_name(where.interface);
+  const address_v4 from = address_towards(asio::ip::make_address_v4(where.group));
+  if (from.is_unspecified()) throw std::runtime_error("no network card leads to " + where.group);
+  return network_card_name(from.to_string());
+}
+
 /// Bound to one address, so that packets of other groups, or for this computer alone, do not come. Only what
-/// comes through the card that was asked for is heard, not what others of this computer joined elsewhere.
-udp::socket open_at(asio::io_context& io, const address_v4& address, const GroupAddress& where) {
+/// comes through one card is heard, not what others of this computer joined elsewhere, nor what strangers
+/// send to another card.
+udp::socket open_at(asio::io_context& io, const address_v4& address, const GroupAddress& where,
+                    const std::string& card) {
   udp::socket socket(io, udp::v4());
   socket.set_option(udp::socket::reuse_address(true));
   const int off = 0;
   setsockopt(socket.native_handle(), IPPROTO_IP, IP_MULTICAST_ALL, &off, sizeof off);
-  if (!address.is_multicast() && !where.interface.empty()) {
-    const std::string card = network_card_name(where.interface);
-    if (setsockopt(socket.native_handle(), SOL_SOCKET, SO_BINDTODEVICE, card.c_str(),
-                   static_cast<socklen_t>(card.size())) != 0)
-      throw std::system_error(errno, std::generic_category(), card);
-  }
+  if (!address.is_multicast() && setsockopt(socket.native_handle(), SOL_SOCKET, SO_BINDTODEVICE, card.c_str(),
+                                            static_cast<socklen_t>(card.size())) != 0)
+    throw std::system_error(errno, std::generic_category(), card);
   socket.bind({address, static_cast<std::uint16_t>(where.port)});
   if (address.is_multicast() && where.interface.empty()) {
     socket.set_option(multicast::join_group(address));
@@ -59,20 +68,20 @@ udp::socket open_at(asio::io_context& io, const address_v4& address, const Group
   return socket;
 }
 
-/// Tells the second copy of a datagram that was sent to the group and as a broadcast.
+/// Tells the second copy of a datagram that was sent to two addresses.
 class Copies {
  public:
-  bool is_copy(std::span<const std::byte> datagram, const udp::endpoint& sender, bool is_broadcast,
+  bool is_copy(std::span<const std::byte> datagram, const udp::endpoint& sender, const address_v4& to,
                double now_s) {
     const std::string_view text(reinterpret_cast<const char*>(datagram.data()), datagram.size());
     const std::size_t hash = std::hash<std::string_view>()(text) ^ sender.address().to_v4().to_uint();
     constexpr double kLater_s = 1;
     for (Seen& one : seen_) {
-      if (one.hash != hash || one.is_broadcast == is_broadcast || now_s - one.heard_s > kLater_s) continue;
+      if (one.hash != hash || one.to == to || now_s - one.heard_s > kLater_s) continue;
       one = {};
       return true;
     }
-    seen_[next_] = {hash, now_s, is_broadcast};
+    seen_[next_] = {hash, now_s, to};
     next_ = (next_ + 1) % seen_.size();
     return false;
   }
@@ -81,7 +90,7 @@ class Copies {
   struct Seen {
     std::size_t hash = 0;
     double heard_s = -1e9;
-    bool is_broadcast = false;
+    address_v4 to{};
   };
   // A socket's buffer has fewer, and one is read after the other.
   std::array<Seen, 512> seen_{};
@@ -110,6 +119,7 @@ class MulticastReceiver::Listener {
       {
         const std::lock_guard lock(owner_.mutex_);
         owner_.error_.clear();
+        owner_.broadcast_error_.clear();
         owner_.heard_.clear();
       }
       if (where_) open();
@@ -123,6 +133,7 @@ class MulticastReceiver::Listener {
   struct Ear {
     udp::socket socket;
     address_v4 address;
+    std::string card;  // that broadcasts come by
   };
 
   bool has_ear(const address_v4& address) const {
@@ -140,30 +151,44 @@ class MulticastReceiver::Listener {
     });
   }
 
-  void open_ear(const address_v4& address) {
+  void open_ear(const address_v4& address, const std::string& card) {
     close_ears([&](const Ear& one) { return one.address == address; });
-    ears_.push_back(std::make_shared<Ear>(Ear{open_at(io_, address, *where_), address}));
+    ears_.push_back(std::make_shared<Ear>(Ear{open_at(io_, address, *where_, card), address, card}));
     receive(ears_.back());
   }
 
   /// The group, and where broadcasts go at present; each that is not open.
   void open() {
+    own_.clear();
+    for (const NetworkCard& one : network_cards()) {
+      for (const address_v4& address : one.addresses) own_.insert(address.to_string());
+    }
     const address_v4 group = asio::ip::make_address_v4(where_->group);
-    std::string error;
+    std::string card, error, broadcast_error;
+    std::vector<address_v4> broadcasts;
     try {
-      if (!has_ear(group)) open_ear(group);
+      card = card_of(*where_);
+      broadcasts = broadcast_addresses(card);
+    } catch (const std::exception& caught) {
+      broadcast_error = caught.what();
+    }
+    close_ears([&](const Ear& ear) {
+      return !ear.address.is_multicast() &&
+             (ear.card != card ||
+              (ear.address != group && std::ranges::find(broadcasts, ear.address) == broadcasts.end()));
+    });
+    try {
+      if (card.empty() && !group.is_multicast()) throw std::runtime_error(broadcast_error);
+      if (!has_ear(group)) open_ear(group, card);
     } catch (const std::exception& caught) {
       error = "cannot listen to " + where_->group + ":" + std::to_string(where_->port) + ": " +
               caught.what() + "; " + network_cards_text();
     }
-    const std::vector<address_v4> broadcasts = broadcast_addresses(where_->interface);
-    close_ears([&](const Ear& ear) {
-      return ear.address != group && std::ranges::find(broadcasts, ear.address) == broadcasts.end();
-    });
     for (const address_v4& address : broadcasts) {
       try {
-        if (!has_ear(address)) open_ear(address);
-      } catch (const std::exception&) {  // a subnet that is just going
+        if (!has_ear(address)) open_ear(address, card);
+      } catch (const std::exception& caught) {
+        broadcast_error = address.to_string() + ":" + std::to_string(where_->port) + ": " + caught.what();
       }
     }
     const std::lock_guard lock(owner_.mutex_);
@@ -174,6 +199,10 @@ class MulticastReceiver::Listener {
         log::warning("multicast: {}", error);
       }
       owner_.error_ = std::move(error);
+    }
+    if (broadcast_error != owner_.broadcast_error_) {
+      if (!broadcast_error.empty()) log::warning("multicast: broadcasts are not heard: {}", broadcast_error);
+      owner_.broadcast_error_ = std::move(broadcast_error);
     }
   }
 
@@ -197,16 +226,16 @@ class MulticastReceiver::Listener {
         ear.socket.close(error);
         return false;
       }
-      hear(std::span<const std::byte>(datagram_.data(), size), sender, !ear.address.is_multicast());
+      hear(std::span<const std::byte>(datagram_.data(), size), sender, ear.address);
     }
     return true;
   }
 
-  void hear(std::span<const std::byte> datagram, const udp::endpoint& sender, bool is_broadcast) {
+  void hear(std::span<const std::byte> datagram, const udp::endpoint& sender, const address_v4& to) {
     const double now_s = steady_s();
-    if (!is_broadcast) silent_looks_ = 0;
-    note(sender.address().to_string(), is_broadcast, now_s);
-    if (!copies_.is_copy(datagram, sender, is_broadcast, now_s)) owner_.handler_(datagram, sender);
+    if (to.is_multicast()) silent_looks_ = 0;
+    note(sender.address().to_string(), !to.is_multicast(), now_s);
+    if (!copies_.is_copy(datagram, sender, to, now_s)) owner_.handler_(datagram, sender);
   }
 
   void note(const std::string& address, bool is_broadcast, double now_s) {
@@ -215,7 +244,13 @@ class MulticastReceiver::Listener {
     std::erase_if(heard, [&](const auto& one) {
       return now_s - std::max(one.second.multicast_s, one.second.broadcast_s) > kForgottenAfter_s;
     });
-    if (heard.size() >= limits::kMaxComputers && !heard.contains(address)) return;
+    const auto is_stranger = [&](const std::string& who) {
+      return !own_.contains(who) && !owner_.named_.contains(who);
+    };
+    if (!heard.contains(address) && is_stranger(address) &&
+        std::ranges::count_if(heard, [&](const auto& one) { return is_stranger(one.first); }) >=
+            std::ptrdiff_t{limits::kMaxComputers})
+      return;
     (is_broadcast ? heard[address].broadcast_s : heard[address].multicast_s) = now_s;
   }
 
@@ -240,6 +275,7 @@ class MulticastReceiver::Listener {
   std::vector<std::shared_ptr<Ear>> ears_;
   std::array<std::byte, 65'536> datagram_;
   Copies copies_;
+  std::set<std::string> own_;  // addresses of this computer
   asio::steady_timer timer_{io_};
   int silent_looks_ = 0;
   std::jthread thread_;  // last, so that it ends before what it uses
@@ -261,6 +297,16 @@ void MulticastReceiver::listen(const std::optional<GroupAddress>& where) {
 std::string MulticastReceiver::error() const {
   const std::lock_guard lock(mutex_);
   return error_;
+}
+
+std::string MulticastReceiver::broadcast_error() const {
+  const std::lock_guard lock(mutex_);
+  return broadcast_error_;
+}
+
+void MulticastReceiver::set_named(std::set<std::string> addresses) {
+  const std::lock_guard lock(mutex_);
+  named_ = std::move(addresses);
 }
 
 std::vector<Arrival> MulticastReceiver::arrivals(double now_s) const {

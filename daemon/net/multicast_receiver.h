@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>  // before Asio of Boost 1.74, which uses std::exchange without it
@@ -17,7 +18,7 @@
 
 namespace sslv {
 
-/// Where to listen. Broadcasts to the port are always heard as well.
+/// Where to listen. Broadcasts to the port are heard as well, by the same network card.
 struct GroupAddress {
   std::string group;  // IPv4 multicast address, or a broadcast address
   int port = 0;
@@ -53,6 +54,11 @@ class MulticastReceiver {
   /// Why nothing can be heard at present; empty when it can.
   std::string error() const;
 
+  /// Why broadcasts, or some of them, are not heard at present; empty when they are.
+  std::string broadcast_error() const;
+
+  /// IPv4 addresses of computers that others leave room for in arrivals(), as they do for this one.
+  void set_named(std::set<std::string> addresses);
   /// Who was heard in the last kForgottenAfter_s, at a monotonic time.
   std::vector<Arrival> arrivals(double now_s) const;
   static constexpr double kForgottenAfter_s = 5;
@@ -66,8 +72,9 @@ class MulticastReceiver {
   const std::string thread_name_;
   const Handler handler_;
   const std::chrono::milliseconds look_interval_;
-  mutable std::mutex mutex_;  // guards the next two
-  std::string error_;
+  mutable std::mutex mutex_;  // guards the next four
+  std::string error_, broadcast_error_;
+  std::set<std::string> named_;
   std::map<std::string, Heard> heard_;  // by address
   std::unique_ptr<Listener> listener_;  // last, so that its thread ends before what it uses
 };

@@ -84,6 +84,7 @@ void OtherVisions::note(const VisionMessage& message, const std::string& address
 }
 
 void OtherVisions::set_named(std::set<std::string> addresses) {
+  receiver_.set_named(addresses);
   const std::lock_guard lock(mutex_);
   named_ = std::move(addresses);
 }

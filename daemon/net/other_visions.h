@@ -71,6 +71,7 @@ class OtherVisions {
   std::uint64_t refused() const;
   /// Who sends there at all, this daemon among them, and which way it comes.
   std::vector<Arrival> arrivals(double now_s) const { return receiver_.arrivals(now_s); }
+  std::string broadcast_error() const { return receiver_.broadcast_error(); }
   std::string error() const { return receiver_.error(); }
 
  private:

@@ -102,6 +102,7 @@ class RefereeListener {
   RefereeStatus status(double now_s) const;
   /// Who sends there, and which way it comes.
   std::vector<Arrival> arrivals(double now_s) const { return receiver_.arrivals(now_s); }
+  std::string broadcast_error() const { return receiver_.broadcast_error(); }
 
  private:
   const std::function<void()> on_new_names_;

@@ -219,7 +219,7 @@ describe('monitoring', () => {
   it('is ready while packets leave', async () => {
     await service.patch({ op: 'replace', path: '/network/vision/interface', value: 'no-such-card' });
     const { text } = await becomes(() => ask('readyz'), ({ status: code }) => code === 503);
-    assert.match(text, /^no packets leave: .*no-such-card.*\n$/);
+    assert.match(text, /^No packets are sent: .*no-such-card.*\n$/);
     const earlier = await metrics();
     await becomes(metrics, (families) => value(families, 'sslv_send_errors_total') > value(earlier, 'sslv_send_errors_total'));
     await service.patch({ op: 'replace', path: '/network/vision/interface', value: 'lo' });

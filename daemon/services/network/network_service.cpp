@@ -147,11 +147,17 @@ std::vector<Route> NetworkService::routes() {
                                                 .heard = heard_packets_,
                                                 .listening_error = other_visions_.error(),
                                                 .vision = other_visions_.arrivals(steady_s()),
-                                                .referee = referee_.arrivals(steady_s())},
+                                                .referee = referee_.arrivals(steady_s()),
+                                                .broadcast_error = broadcast_error()},
                                                steady_s()));
            }},
           {"GET", "/api/network/listeners",
            [this](const Request&) { return json_response(listeners_json(config_.load()->network.vision)); }}};
+}
+
+std::string NetworkService::broadcast_error() const {
+  const std::string vision = other_visions_.broadcast_error();
+  return vision.empty() ? referee_.broadcast_error() : vision;
 }
 
 NetworkFacts NetworkService::facts() const {
@@ -176,7 +182,7 @@ void NetworkService::write_metrics(MetricsText& out) const {
   const MulticastStatus status = multicast_.status();
   out.begin("sslv_packets_sent_total", "counter", "Packets sent to the vision group.");
   out.add({}, status.packets_sent);
-  out.begin("sslv_send_errors_total", "counter", "Packets that did not leave.");
+  out.begin("sslv_send_errors_total", "counter", "Packets that did not leave, or failed one of two ways.");
   out.add({}, status.send_errors);
 }
 
@@ -190,14 +196,19 @@ void NetworkService::each_second() {
 std::string NetworkService::summary() const {
   const auto config = config_.load();
   const MulticastSettings& vision = config->network.vision;
+  const MulticastStatus status = multicast_.status();
   return fmt::format("{}:{}{}{}", vision.group, vision.port,
                      vision.broadcast.empty() ? "" : fmt::format(" and {}:{}", vision.broadcast, vision.port),
-                     multicast_.status().error.empty() ? "" : " (not sending)");
+                     status.error.empty() ? ""
+                     : status.some_leave  ? " (not both ways)"
+                                          : " (not sending)");
 }
 
 std::string NetworkService::missing() const {
-  const std::string error = multicast_.status().error;
-  return error.empty() ? "" : fmt::format("no packets leave: {}\n", error);
+  const MulticastStatus status = multicast_.status();
+  return status.error.empty()
+             ? ""
+             : fmt::format("{}: {}\n", title_not_sent("packets", status.some_leave), status.error);
 }
 
 }  // namespace sslv

@@ -42,11 +42,12 @@ class NetworkService final : public Service {
 
   /// "224.5.23.2:10006", and whether packets leave.
   std::string summary() const;
-  /// What is missing for packets to leave, a line for each; empty when nothing is.
+  /// What is missing for packets to leave every way, a line for each; empty when nothing is.
   std::string missing() const;
 
  private:
   NetworkFacts facts() const;
+  std::string broadcast_error() const;
 
   const Snapshot<Config>& config_;
   MulticastSender& multicast_;

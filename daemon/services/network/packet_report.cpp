@@ -55,6 +55,7 @@ Json packets_json(const PacketFacts& facts, double now_s) {
           {"port", facts.sent_by.port},
           {"broadcast", facts.sent_by.broadcast},
           {"arrivals", std::move(arrivals)},
+          {"broadcasts_not_heard_because", facts.broadcast_error},
           {"not_heard_because", not_heard_because(facts)},
           {"detections", std::move(detections)},
           {"geometry", geometry ? packet_figures(*geometry, now_s) : Json(nullptr)}};

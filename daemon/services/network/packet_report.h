@@ -18,6 +18,7 @@ struct PacketFacts {
   const HeardPackets& heard;
   std::string listening_error;
   std::vector<Arrival> vision, referee;  // who is heard, and which way
+  std::string broadcast_error;           // why broadcasts to the vision or the game controller are not
 };
 
 /// docs/openapi.json's SentPackets, at a monotonic time.

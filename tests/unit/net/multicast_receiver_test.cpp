@@ -2,16 +2,22 @@
 #include "net/multicast_receiver.h"
 
 #include "base/clock.h"
+#include "geometry/limits.h"
 #include "support/becomes.h"
 #include "support/group_listener.h"
+#include "support/own_network.h"
 
 #include <chrono>
 #include <condition_variable>
+#include <cstddef>
 #include <deque>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/multicast.hpp>
 #include <gmock/gmock.h>
 
 namespace sslv {
@@ -154,29 +160,104 @@ TEST(MulticastReceiver, MayHearBroadcastsAlone) {
 }
 
 TEST(MulticastReceiver, HandsOnOnceWhatComesBothWays) {
+  for (const char* other_way : {GroupListener::kGroup, "255.255.255.255"}) {
+    GroupListener group;
+    Heard heard;
+    MulticastReceiver receiver("test", heard.handler());
+    receiver.listen(at(group));
+    MulticastSettings both = broadcasting(group, other_way);
+    both.broadcast = "127.255.255.255";
+    MulticastSender sender(both);
+    std::vector<std::string> sent;
+    for (int i = 0; i < 50; ++i) {
+      sent.push_back(std::to_string(i));
+      EXPECT_TRUE(send(sender, sent.back()));
+    }
+    std::vector<std::string> came;
+    for (int i = 0; i < 50; ++i) came.push_back(heard.next());
+    EXPECT_THAT(came, testing::UnorderedElementsAreArray(sent)) << other_way;
+    EXPECT_TRUE(test::becomes([&] {
+      const auto arrivals = receiver.arrivals(steady_s());
+      return arrivals.size() == 1 && arrivals[0].by_broadcast &&
+             arrivals[0].by_multicast == (other_way == GroupListener::kGroup);
+    }));
+    // Each way alone is heard, too: what follows is no copy of what was before.
+    MulticastSender alone(settings_for(group));
+    send(alone, "the last");
+    EXPECT_EQ(heard.next(), "the last") << "a copy came first";
+  }
+}
+
+TEST(MulticastReceiver, LeavesOutBroadcastsThatComeByAnotherCardThanTheGroup) {
+  const int status = without_network([] {
+    if (!bring_loopback_up()) return kNoNamespaces;
+    MulticastSettings settings;
+    settings.group = "127.255.255.255";
+    settings.interface = "lo";
+    Heard heard;
+    MulticastReceiver receiver("test", heard.handler(), std::chrono::milliseconds(1));
+    receiver.listen(GroupAddress{GroupListener::kGroup, settings.port, ""});
+    if (receiver.broadcast_error().find("no network card leads to 239.255.77.77") != 0) return 1;
+    MulticastSender sender(settings);
+    if (!send(sender, "no route leads to this card")) return 2;
+    // A route needs an address that is not this computer's alone.
+    if (!set_loopback(SIOCSIFADDR, "10.9.9.1") || !route_to_loopback("239.0.0.0", "255.0.0.0"))
+      return kNoNamespaces;
+    if (!test::becomes([&] { return receiver.broadcast_error().empty() && receiver.error().empty(); }))
+      return 3;
+    settings.group = "10.255.255.255";
+    sender.configure(settings);
+    if (!send(sender, "now one does")) return 4;
+    return heard.next() == "now one does" ? kPassed : 5;
+  });
+  if (status == kNoNamespaces) GTEST_SKIP() << "this system gives no network namespace";
+  EXPECT_EQ(status, kPassed);
+}
+
+TEST(MulticastReceiver, SaysWhyBroadcastsAreNotHeardWhileTheGroupIs) {
   GroupListener group;
+  boost::asio::io_context io;
+  const boost::asio::ip::udp::socket another_program(
+      io, {boost::asio::ip::make_address_v4("127.255.255.255"), group.port()});
   Heard heard;
   MulticastReceiver receiver("test", heard.handler());
   receiver.listen(at(group));
-  MulticastSettings both = settings_for(group);
-  both.broadcast = "127.255.255.255";
-  MulticastSender sender(both);
-  std::vector<std::string> sent;
-  for (int i = 0; i < 50; ++i) {
-    sent.push_back(std::to_string(i));
-    EXPECT_TRUE(send(sender, sent.back()));
+  EXPECT_EQ(receiver.error(), "");
+  EXPECT_THAT(receiver.broadcast_error(),
+              testing::AllOf(testing::StartsWith("127.255.255.255:"), HasSubstr("Address already in use")));
+  send(group, "heard");
+  EXPECT_EQ(heard.next(), "heard");
+  receiver.listen(std::nullopt);
+  EXPECT_EQ(receiver.broadcast_error(), "");
+}
+
+/// As another computer sends.
+void send_from(const std::string& address, const GroupListener& to) {
+  namespace ip = boost::asio::ip;
+  boost::asio::io_context io;
+  ip::udp::socket socket(io, {ip::make_address_v4(address), 0});
+  socket.set_option(ip::multicast::outbound_interface(ip::address_v4::loopback()));
+  socket.send_to(boost::asio::buffer(address), {ip::make_address_v4(GroupListener::kGroup), to.port()});
+}
+
+TEST(MulticastReceiver, ManyStrangersKeepNeitherNamedComputersNorThisOneFromItsArrivals) {
+  GroupListener group;
+  Heard heard;
+  MulticastReceiver receiver("test", heard.handler());
+  receiver.set_named({"127.0.1.1"});
+  receiver.listen(at(group));
+  std::vector<std::string> senders;
+  for (std::size_t i = 0; i < limits::kMaxComputers + 3; ++i)
+    senders.push_back("127.0.2." + std::to_string(i + 1));
+  senders.insert(senders.end(), {"127.0.1.1", "127.0.0.1"});
+  for (const std::string& address : senders) {
+    send_from(address, group);
+    EXPECT_EQ(heard.next(), address);
   }
-  std::vector<std::string> came;
-  for (int i = 0; i < 50; ++i) came.push_back(heard.next());
-  EXPECT_THAT(came, testing::UnorderedElementsAreArray(sent));
-  EXPECT_TRUE(test::becomes([&] {
-    const auto arrivals = receiver.arrivals(steady_s());
-    return arrivals.size() == 1 && arrivals[0].by_multicast && arrivals[0].by_broadcast;
-  }));
-  // Each way alone is heard, too: what follows is no copy of what was before.
-  MulticastSender alone(settings_for(group));
-  send(alone, "the last");
-  EXPECT_EQ(heard.next(), "the last") << "a copy came first";
+  senders.erase(senders.begin() + std::ptrdiff_t{limits::kMaxComputers}, senders.end() - 2);
+  std::vector<std::string> listed;
+  for (const Arrival& one : receiver.arrivals(steady_s())) listed.push_back(one.address);
+  EXPECT_THAT(listed, testing::UnorderedElementsAreArray(senders));
 }
 
 TEST(MulticastReceiver, LosesNoBroadcastWhileItJoinsTheGroupAnew) {
@@ -198,8 +279,10 @@ TEST(MulticastReceiver, SaysWhichCardIsNotThere) {
   receiver.listen(at(group, "nocard0"));
   EXPECT_THAT(receiver.error(), HasSubstr("cannot listen to 239.255.77.77:"));
   EXPECT_THAT(receiver.error(), HasSubstr("no network card has the name or IPv4 address 'nocard0'"));
+  EXPECT_THAT(receiver.broadcast_error(), HasSubstr("'nocard0'"));
   receiver.listen(at(group));
   EXPECT_EQ(receiver.error(), "");
+  EXPECT_EQ(receiver.broadcast_error(), "");
   send(group, "heard");
   EXPECT_EQ(heard.next(), "heard");
 }

@@ -220,6 +220,7 @@ TEST_F(Api, PacketsAreThoseThatCameBackFromTheNetwork) {
   EXPECT_EQ(detection.at("packet").at("detection").at("camera_id"), 0);
   EXPECT_GT(detection.at("bytes"), 0);
   EXPECT_EQ(packets.at("not_heard_because"), "");
+  EXPECT_EQ(packets.at("broadcasts_not_heard_because"), "");
   EXPECT_EQ(packets["geometry"].at("packet").at("geometry").at("calib").size(), 1U);
   const Json listeners = ask("GET", "/api/network/listeners").json();
   EXPECT_EQ(listeners.at("group"), GroupListener::kGroup);
