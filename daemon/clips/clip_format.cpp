@@ -188,7 +188,6 @@ std::optional<ClipFrameHead> frame_head_of(std::span<const std::byte, kClipFrame
   if (has_size && !is_valid_size(head.format, head.width, head.height)) return std::nullopt;
   const std::uint64_t whole_bytes =
       has_size ? clip_plane_bytes(head.format, head.width, head.height) * (head.is_deep ? 2 : 1) : 0;
-  if (whole_bytes > kMaxClipImageBytes) return std::nullopt;
   constexpr std::uint64_t kMaxMapBytes = 1 << 16;
   if (head.is_in_parts)
     return map_bytes <= kMaxMapBytes && head.image_bytes <= whole_bytes ? std::optional(head) : std::nullopt;

@@ -29,18 +29,26 @@ inline constexpr std::size_t kClipTrailerBytes = 16;  // at the end of the file
 inline constexpr std::string_view kClipTrailerMagic = "SSL_CEND";
 
 /// Files may be sparse: what they say of sizes costs their authors nothing. With these limits, for writers as
-/// for readers, no file takes more than 64 MB of memory to be opened and looked at.
-inline constexpr std::uint64_t kMaxClipBlocks = 1 << 18;  // four cameras at 75 Hz for 14 minutes
+/// for readers, no file takes more than 64 MB of memory while it is opened and its frames are looked at, nor
+/// while it is opened and a setup is read. A replay needs a frame and its setup at once, and more.
+inline constexpr std::uint64_t kMaxClipBlocks = 1 << 19;  // eight cameras at 75 Hz for 14 minutes
 inline constexpr std::size_t kMaxClipCameras = 256;
 inline constexpr std::size_t kMaxClipSetups = 16384;
-inline constexpr std::size_t kMaxClipEvents = 16384;
-/// Of a block's JSON, whose values take up to twenty times the memory of their text; of all events together.
+inline constexpr std::size_t kMaxClipEvents = 4096;
+/// Blocks that are left to what comes when no more frames do.
+inline constexpr std::uint64_t kClipEndBlocks = kMaxClipEvents + kMaxClipCameras + 8;
+/// Of a setup's JSON, whose values take up to twenty times the memory of their text.
 inline constexpr std::size_t kMaxClipJsonBytes = std::size_t{1} << 20U;
-inline constexpr std::size_t kMaxClipEventBytesInAll = std::size_t{4} << 20U;
+/// Of the JSON of an event, or of what the clip says about itself; of all of them together.
+inline constexpr std::size_t kMaxClipEventBytes = std::size_t{64} << 10U;
+inline constexpr std::size_t kMaxClipEventBytesInAll = std::size_t{1} << 20U;
 inline constexpr std::size_t kMaxClipTableBytes = std::size_t{20} << 20U;  // 8 bits a colour: 16 MiB
 inline constexpr std::size_t kMaxClipPacketBytes = 65'507;                 // the largest datagram
 inline constexpr std::size_t kMaxClipMemoryBytes = std::size_t{1} << 20U;
 inline constexpr std::size_t kMaxClipImageBytes = std::size_t{48} << 20U;  // 25 megapixels of 2 bytes
+/// Of an image that a reader has in memory, and what it keeps of all frames: of a clip of very many frames,
+/// images may only be smaller. Such a clip of larger ones would have terabytes.
+inline constexpr std::size_t kMaxClipBytesInMemory = 52'000'000;
 
 enum class ClipBlock : std::uint32_t { kAbout = 1, kSetup, kFrame, kEvent, kMissing, kIndex };
 
@@ -93,8 +101,8 @@ std::array<std::byte, kClipTrailerBytes> clip_trailer(std::uint64_t index_place)
 
 /// None where the bytes are damaged.
 std::optional<ClipBlockHead> block_head_of(std::span<const std::byte, kClipBlockBytes> bytes);
-/// None where the bytes are damaged, or cannot be a payload of `payload_bytes`; then all sizes in it fit each
-/// other.
+/// None where the bytes are damaged, or cannot be a payload of `payload_bytes`. All sizes in it fit each
+/// other; but its image may be larger than kMaxClipImageBytes.
 std::optional<ClipFrameHead> frame_head_of(std::span<const std::byte, kClipFrameBytes> bytes,
                                            std::uint64_t payload_bytes);
 /// The frame of a head. `rest`: what follows it in the payload, at least packet and memory; `pixels`: its

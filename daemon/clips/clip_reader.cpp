@@ -27,6 +27,8 @@ namespace sslv {
 namespace {
 
 constexpr std::size_t kHeadsBytes = kClipBlockBytes + kClipFrameBytes;
+/// No file is as large.
+constexpr std::uint64_t kMaxPlace = (std::uint64_t{1} << 62U) - 1;
 
 std::string text_in(const Json& json, const char* key) {
   const auto found = json.find(key);
@@ -43,7 +45,6 @@ constexpr std::string_view kWhyOfOldCrashClips = "the service crashed";
 
 /// Null where it is none.
 Json json_in(std::span<const std::byte> text) {
-  if (text.size() > kMaxClipJsonBytes) return nullptr;
   try {
     return parse_bounded_json({reinterpret_cast<const char*>(text.data()), text.size()});
   } catch (const Json::exception&) {
@@ -193,10 +194,9 @@ struct ClipReader::File {
       add_entry({.camera_id = line.camera_id,
                  .number = line.number,
                  .t_capture_s = line.t_capture_s,
+                 .place = line.place & kMaxPlace,
                  .has_memory = line.has_memory,
-                 .is_whole = line.is_whole,
-                 .place = line.place,
-                 .bytes = line.bytes});
+                 .is_whole = line.is_whole});
       return;
     }
     // What frames were processed with may be damaged; the frames are there all the same.
@@ -236,10 +236,9 @@ struct ClipReader::File {
     return {.camera_id = block.camera_id,
             .number = head.info.number,
             .t_capture_s = head.info.times.t_capture_s,
+            .place = place & kMaxPlace,
             .has_memory = head.memory_bytes > 0,
-            .is_whole = head.has_image(),
-            .place = place,
-            .bytes = block.bytes};
+            .is_whole = head.has_image()};
   }
 
   void add_entry(const Entry& entry) {
@@ -268,7 +267,7 @@ struct ClipReader::File {
     if (is_missing) {
       if (head.bytes != kClipMissingBytes) return false;
     } else {
-      if (head.bytes > std::min(kMaxClipJsonBytes, json_left)) return false;
+      if (head.bytes > std::min(kMaxClipEventBytes, json_left)) return false;
       if (is_event ? events.size() >= kMaxClipEvents : has_about) return false;
       json_left -= static_cast<std::size_t>(head.bytes);  // damaged or not: many cost time
     }
@@ -356,15 +355,23 @@ struct ClipReader::File {
       order.emplace_back(latest, static_cast<std::uint32_t>(order.size()));
     }
     std::ranges::stable_sort(order, {}, [](const auto& one) { return one.first; });
-    std::map<std::uint32_t, Camera> by_id;
-    for (const auto& [id, count] : missing) by_id[id].missing = count;
-    std::vector<Entry> sorted;
-    sorted.reserve(entries.size());
-    for (const auto& [time_s, i] : order) {
-      by_id[entries[i].camera_id].frames.push_back(sorted.size());
-      sorted.push_back(entries[i]);
+    // In place, for there may be many: each circle of entries that change their places, one after the other.
+    for (std::uint32_t begin = 0; begin < order.size(); ++begin) {
+      for (std::uint32_t to = begin; order[to].second != to;) {
+        const std::uint32_t from = std::exchange(order[to].second, to);
+        if (from == begin) break;
+        std::swap(entries[to], entries[from]);
+        to = from;
+      }
     }
-    entries = std::move(sorted);
+    std::map<std::uint32_t, std::size_t> counts;
+    for (const Entry& entry : entries) ++counts[entry.camera_id];
+    std::map<std::uint32_t, Camera> by_id;
+    for (const auto& [id, count] : missing) {
+      by_id[id].missing = count;
+      by_id[id].frames.reserve(counts[id]);
+    }
+    for (std::uint32_t i = 0; i < entries.size(); ++i) by_id[entries[i].camera_id].frames.push_back(i);
     for (auto& [id, camera] : by_id) {
       camera.id = id;
       cameras.push_back(std::move(camera));
@@ -372,23 +379,33 @@ struct ClipReader::File {
     std::ranges::stable_sort(events, {}, &ClipEvent::time_s);
   }
 
+  std::size_t max_image_bytes() const {
+    constexpr std::size_t kOfAFrame = sizeof(Entry) + sizeof(std::uint32_t);
+    return std::min(kMaxClipImageBytes, kMaxClipBytesInMemory - kOfAFrame * entries.size());
+  }
+
   /// Why the frame cannot be given; empty: it is in `frame`.
-  const char* read_into_frame(const Entry& entry, const Room& room) {
+  std::string read_into_frame(const Entry& entry, const Room& room) {
     std::array<std::byte, kHeadsBytes> heads{};
     read_at(entry.place, heads);
     const auto block = block_head_of(std::span(heads).first<kClipBlockBytes>());
-    if (!block || block->type != static_cast<std::uint32_t>(ClipBlock::kFrame) || block->bytes != entry.bytes)
-      return "is damaged";
+    if (!block || block->type != static_cast<std::uint32_t>(ClipBlock::kFrame)) return "is damaged";
     const auto frame_head = std::span(heads).last<kClipFrameBytes>();
     const auto head = frame_head_of(frame_head, block->bytes);
     if (!head) return "is damaged";
     const Entry there = entry_of(*block, *head, entry.place);
-    const std::size_t image_bytes = head->has_image() ? static_cast<std::size_t>(head->image_bytes) : 0;
+    if (head->image_bytes > max_image_bytes())
+      return fmt::format("has an image that is larger than {} MiB", max_image_bytes() >> 20U);
+    const auto image_bytes = static_cast<std::size_t>(head->image_bytes);
     frame_bytes.resize(static_cast<std::size_t>(block->bytes) - kClipFrameBytes - image_bytes);
     std::uint8_t* pixels = nullptr;
     if (image_bytes > 0) {
-      if (!room) image.resize(image_bytes);
-      pixels = room ? room(image_bytes) : image.data();
+      const bool is_theirs = room && head->has_image();
+      if (!is_theirs) {
+        if (image.capacity() < image_bytes) image = std::vector<std::uint8_t>();  // never two at once
+        image.resize(image_bytes);
+      }
+      pixels = is_theirs ? room(image_bytes) : image.data();
       if (pixels == nullptr) refuse("there is no memory for an image");
     }
     const auto image_there = std::as_writable_bytes(std::span(pixels, image_bytes));
@@ -399,14 +416,14 @@ struct ClipReader::File {
         there.is_whole != entry.is_whole)
       return "is not what the index says";
     if (head->setup >= setups.size()) return "has a setup that is not in the clip";
-    frame = frame_of(*head, block->camera_id, frame_bytes, pixels);
+    frame = frame_of(*head, block->camera_id, frame_bytes, head->has_image() ? pixels : nullptr);
     return "";
   }
 
   const ClipFrame& read(std::size_t place, const Room& room) {
     if (place >= entries.size()) refuse(fmt::format("has {} frames, not one at {}", entries.size(), place));
     const Entry& entry = entries[place];
-    const std::string_view why = read_into_frame(entry, room);
+    const std::string why = read_into_frame(entry, room);
     if (why.empty()) return frame;
     refuse(fmt::format("frame {} of camera {} {}", entry.number, entry.camera_id, why));
   }
@@ -419,8 +436,8 @@ struct ClipReader::File {
   ClipAbout about;
   std::vector<Entry> entries;
   std::vector<Camera> cameras;
-  std::vector<std::uint64_t> setups;  // places of their blocks; 0: it is not there
-  std::size_t json_left = kMaxClipJsonBytes + kMaxClipEventBytesInAll;  // that may be read
+  std::vector<std::uint64_t> setups;                // places of their blocks; 0: it is not there
+  std::size_t json_left = kMaxClipEventBytesInAll;  // that may be read
   std::vector<ClipEvent> events;
   std::map<std::uint32_t, std::uint64_t> missing;  // frames of each camera that there is
 

@@ -16,21 +16,23 @@
 namespace sslv {
 
 /// Reads a clip, finished or not. Nothing in the file is trusted: every count has a limit (clip_format.h),
-/// every block a checksum. No file takes more than 64 MB of memory. Used by one thread at a time.
+/// every block a checksum. No file takes more than 64 MB of memory to be opened and looked at, frame by
+/// frame. Used by one thread at a time.
 class ClipReader {
  public:
   /// A frame as the index has it.
   struct Entry {
     std::uint32_t camera_id = 0, number = 0;
     double t_capture_s = 0;
-    bool has_memory = false;             // of the stages: what is processed from here on is as it was live
-    bool is_whole = true;                // the image is there
-    std::uint64_t place = 0, bytes = 0;  // of its block in the file, and of the payload
+    std::uint64_t place : 62 = 0;  // of its block in the file
+    bool has_memory : 1 = false;   // of the stages: what is processed from here on is as it was live
+    bool is_whole : 1 = true;      // the image is there
   };
+  static_assert(sizeof(Entry) == 24, "there may be many");
   struct Camera {
     std::uint32_t id = 0;
-    std::vector<std::size_t> frames{};  // places in entries()
-    std::uint64_t missing = 0;          // frames that were processed and are not in the clip
+    std::vector<std::uint32_t> frames{};  // places in entries()
+    std::uint64_t missing = 0;            // frames that were processed and are not in the clip
   };
 
   /// Reads the index, or makes it when there is none, from what stands before each block. The file stays
@@ -59,7 +61,7 @@ class ClipReader {
 
   /// Frame `place` of entries(). All in it lies in this reader's memory until the next call. Its setup is
   /// below setup_count(). Of images that an earlier version kept in parts it has none. Throws ClipError when
-  /// it is damaged.
+  /// it is damaged, or its image is larger than a clip may have.
   const ClipFrame& read(std::size_t place);
   /// The same into memory of the caller's, who gets it when its size is known: the image is read there and
   /// nowhere else (for a camera's buffers). Rows and low bits lie there without gaps. `room` is not called

@@ -34,8 +34,10 @@ std::span<const std::byte> bytes_of(const std::string& text) {
 }  // namespace
 
 struct ClipWriter::File {
-  File(const std::filesystem::path& path, const ClipAbout& about)
-      : name(path.string()), fd(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0640)) {
+  File(const std::filesystem::path& path, const ClipAbout& about, std::uint64_t most_blocks)
+      : name(path.string()),
+        fd(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0640)),
+        max_blocks(most_blocks) {
     if (fd < 0) fail();
     folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
     try {
@@ -49,7 +51,9 @@ struct ClipWriter::File {
                                           {"kind", about.kind},
                                           {"why", about.why},
                                           {"begin_s", about.begin_s},
-                                          {"end_s", about.end_s}});
+                                          {"end_s", about.end_s}},
+                                         kMaxClipEventBytes);
+      event_bytes = text.size();
       write_block(ClipBlock::kAbout, 0, clip_ns(about.begin_s), {bytes_of(text)}, {});
     } catch (...) {
       ::close(fd);
@@ -68,11 +72,11 @@ struct ClipWriter::File {
   }
 
   /// Within the limits that its reader has.
-  std::string json_text(const Json& json) {
+  std::string json_text(const Json& json, std::size_t max_bytes) {
     std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-    if (text.size() > kMaxClipJsonBytes)
-      refuse(
-          fmt::format("settings and events of a clip are limited to {} MiB each", kMaxClipJsonBytes >> 20U));
+    if (text.size() > max_bytes)
+      refuse(fmt::format("settings of a clip are limited to {} MiB, events to {} KiB each",
+                         kMaxClipJsonBytes >> 20U, kMaxClipEventBytes >> 10U));
     return text;
   }
 
@@ -143,8 +147,8 @@ struct ClipWriter::File {
                                             .bytes = count,
                                             .time_ns = time_ns,
                                             .sum = sum});
-    if (index.size() >= kMaxClipBlocks && type != ClipBlock::kIndex)
-      refuse(fmt::format("is full: a clip has at most {} frames", kMaxClipBlocks));
+    if (blocks() >= max_blocks && type != ClipBlock::kIndex)
+      refuse(fmt::format("is full: a clip has at most {} frames", max_blocks));
     parts[0] = {const_cast<std::byte*>(head.data()), head.size()};
     if (size - handed_on >= kMaxUnwrittenBytes) hand_on();
     constexpr std::array<std::byte, 8> kPadding{};
@@ -153,10 +157,13 @@ struct ClipWriter::File {
     line.bytes = count;
     line.type = static_cast<std::uint32_t>(type);
     line.camera_id = camera_id;
-    index.reserve(index.size() + 1);  // what was written is never missing in it
+    const auto in_index = encoded(line);
+    // Before it is written: what was written is never missing there.
+    if (index.capacity() - index.size() < in_index.size()) index.reserve(2 * index.size() + 4096);
     write_parts(clip_block_bytes(count));
-    index.push_back(line);
+    index.insert(index.end(), in_index.begin(), in_index.end());
   }
+  std::uint64_t blocks() const { return index.size() / kClipIndexBytes; }
 
   /// The rows of one plane, which lies `offset` bytes behind the image's.
   void add_plane(const ImageView& image, std::ptrdiff_t offset, std::uint32_t& sum) {
@@ -173,22 +180,23 @@ struct ClipWriter::File {
   const std::string name;
   std::filesystem::path folder;
   const int fd;
+  const std::uint64_t max_blocks;
   std::uint64_t size = 0;
   std::uint64_t handed_on = 0, written = 0;  // the disk has begun with it; it is there
   bool is_broken = false;
-  std::vector<iovec> parts;  // of the block that is written
-  std::vector<ClipIndexLine> index;
+  std::vector<iovec> parts;      // of the block that is written
+  std::vector<std::byte> index;  // as it lies in the file
   std::uint32_t setups = 0;
   std::size_t events = 0, event_bytes = 0;
 };
 
-ClipWriter::ClipWriter(const std::filesystem::path& file, const ClipAbout& about)
-    : file_(std::make_unique<File>(file, about)) {}
+ClipWriter::ClipWriter(const std::filesystem::path& file, const ClipAbout& about, std::uint64_t max_blocks)
+    : file_(std::make_unique<File>(file, about, max_blocks)) {}
 
 ClipWriter::~ClipWriter() = default;
 
 std::uint32_t ClipWriter::add(const ClipSetup& setup) {
-  const std::string text = file_->json_text(setup.about);
+  const std::string text = file_->json_text(setup.about, kMaxClipJsonBytes);
   return add_setup(static_cast<std::uint32_t>(setup.camera_id), bytes_of(text), setup.table);
 }
 
@@ -251,8 +259,8 @@ void ClipWriter::add(const ClipFrame& frame) {
 }
 
 void ClipWriter::add(const ClipEvent& event) {
-  const std::string text =
-      file_->json_text({{"time_s", event.time_s}, {"kind", event.kind}, {"text", event.text}});
+  const std::string text = file_->json_text(
+      {{"time_s", event.time_s}, {"kind", event.kind}, {"text", event.text}}, kMaxClipEventBytes);
   if (file_->events >= kMaxClipEvents || text.size() > kMaxClipEventBytesInAll - file_->event_bytes)
     file_->refuse(fmt::format("a clip has at most {} events, of {} MiB together", kMaxClipEvents,
                               kMaxClipEventBytesInAll >> 20U));
@@ -268,14 +276,9 @@ void ClipWriter::note_missing(std::uint32_t camera_id, std::uint64_t frames) {
 }
 
 void ClipWriter::finish() {
-  std::vector<std::byte> lines;
-  lines.reserve(file_->index.size() * kClipIndexBytes);
-  for (const ClipIndexLine& line : file_->index) {
-    const auto bytes = encoded(line);
-    lines.insert(lines.end(), bytes.begin(), bytes.end());
-  }
   const std::uint64_t place = file_->size;
-  file_->write_block(ClipBlock::kIndex, 0, 0, {lines}, {});
+  file_->index.reserve(file_->index.size() + kClipIndexBytes);  // it stays where it is while it is written
+  file_->write_block(ClipBlock::kIndex, 0, 0, {file_->index}, {});
   const auto trailer = clip_trailer(place);
   file_->parts.clear();
   file_->add_part(trailer);
@@ -293,6 +296,10 @@ void ClipWriter::finish() {
 
 std::uint64_t ClipWriter::bytes() const {
   return file_->size;
+}
+
+bool ClipWriter::is_full() const {
+  return file_->blocks() + kClipEndBlocks >= file_->max_blocks;
 }
 
 }  // namespace sslv

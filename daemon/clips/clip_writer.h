@@ -2,6 +2,7 @@
 #pragma once
 
 #include "clips/clip.h"
+#include "clips/clip_format.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -16,8 +17,9 @@ namespace sslv {
 /// a time.
 class ClipWriter {
  public:
-  /// Makes the file, which must not be there yet.
-  ClipWriter(const std::filesystem::path& file, const ClipAbout& about);
+  /// Makes the file, which must not be there yet. `max_blocks`: for tests.
+  ClipWriter(const std::filesystem::path& file, const ClipAbout& about,
+             std::uint64_t max_blocks = kMaxClipBlocks);
   /// Leaves an unfinished clip behind when finish() was not called.
   ~ClipWriter();
   ClipWriter(const ClipWriter&) = delete;
@@ -38,6 +40,8 @@ class ClipWriter {
   void finish();
 
   std::uint64_t bytes() const;
+  /// Frames that come now would take the room of what a clip ends with.
+  bool is_full() const;
 
  private:
   struct File;

@@ -154,7 +154,7 @@ std::optional<ClipFrame> frame_of_slot(std::span<const std::byte> blocks, const 
   const auto block_head = block_head_of(block.first<kClipBlockBytes>());
   if (!block_head || block_head->bytes != payload.size()) return std::nullopt;
   const auto head = frame_head_of(payload.first<kClipFrameBytes>(), payload.size());
-  if (!head || head->is_in_parts) return std::nullopt;
+  if (!head || head->is_in_parts || head->image_bytes > kMaxClipImageBytes) return std::nullopt;
   const auto image = payload.last(static_cast<std::size_t>(head->image_bytes));
   ClipFrame out = frame_of(*head, block_head->camera_id, payload.subspan(kClipFrameBytes),
                            head->has_image() ? reinterpret_cast<const std::uint8_t*>(image.data()) : nullptr);
@@ -315,7 +315,8 @@ bool ImageRing::put(const ClipFrame& frame) noexcept {
   const std::size_t bytes = ring_aligned(small) + ring_aligned(image_bytes);
   const bool from_the_start = at_ + bytes > room_;
   const std::size_t begin = from_the_start ? 0 : at_;
-  const bool is_good = bytes <= room_ && frame_head_of(head_bytes, payload_bytes).has_value();
+  const bool is_good = bytes <= room_ && image_bytes <= kMaxClipImageBytes &&
+                       frame_head_of(head_bytes, payload_bytes).has_value();
   if (!is_good || !make_room(begin, bytes, from_the_start)) {
     head().dropped.fetch_add(1, std::memory_order_relaxed);
     return false;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <stdexcept>
 #include <utility>
@@ -80,7 +81,7 @@ class ClipRecording final : public Recording {
  private:
   ClipReader reader_;
   const std::string name_;
-  std::vector<std::size_t> frames_;  // of this camera, places in the clip
+  std::vector<std::uint32_t> frames_;  // of this camera, places in the clip
   PicturePool pool_;
 };
 

@@ -89,6 +89,7 @@ void LastSeconds::measure(std::map<int, Known>& known, double now_s) {
     // One that has stopped keeps its part: its last seconds tell why. So a time in which it began or stopped
     // does not count, only what two in a row say; but one whose pace is never even gets memory, too.
     if (seen.frames != one.seen.frames) {
+      one.image_bytes = (seen.bytes - one.seen.bytes) / (seen.frames - one.seen.frames);
       const double rate = static_cast<double>(seen.bytes - one.seen.bytes) / passed_s;
       const bool is_even = std::abs(rate - one.last_bytes_per_s) <= kMayDiffer * rate;
       if (is_even || (one.bytes_per_s <= 0 && ++one.uneven > kUnevenAtMost)) one.bytes_per_s = rate;
@@ -140,6 +141,11 @@ void LastSeconds::look(const LastSecondsSettings& settings, double now_s, const 
     if (extent.frames > 0 || !one.ring)
       one.camera->forget_before(one.ring ? extent.oldest_setup : std::numeric_limits<std::uint32_t>::max());
   }
+  for (const auto& [id, one] : known) {
+    if (wanted > 0 && problem.empty() && !one.is_kept())
+      problem = fmt::format("the images of camera {} are larger than {} MiB, the most that a clip can hold",
+                            id, kMaxClipImageBytes >> 20U);
+  }
   if (!problem.empty() && problem_.empty()) log::warning("the cameras' last seconds: {}", problem);
   const std::lock_guard lock(mutex_);
   problem_ = std::move(problem);
@@ -147,10 +153,12 @@ void LastSeconds::look(const LastSecondsSettings& settings, double now_s, const 
 
 void LastSeconds::share_out(std::map<int, Known>& known, std::uint64_t bytes, const std::stop_token& stop) {
   double all_per_s = 0;
-  for (const auto& [id, one] : known) all_per_s += one.bytes_per_s;
-  if (all_per_s <= 0 && bytes > 0) return;
+  const auto per_s = [](const Known& one) { return one.is_kept() ? one.bytes_per_s : 0; };
+  for (const auto& [id, one] : known) all_per_s += per_s(one);
+  const bool are_kept = std::ranges::all_of(known, [](const auto& one) { return one.second.is_kept(); });
+  if (all_per_s <= 0 && bytes > 0 && are_kept) return;
   const auto part_of = [&](const Known& one) {
-    return static_cast<std::size_t>(static_cast<double>(bytes) * one.bytes_per_s / std::max(all_per_s, 1.0));
+    return static_cast<std::size_t>(static_cast<double>(bytes) * per_s(one) / std::max(all_per_s, 1.0));
   };
   const auto is_good = [&](const Known& one) {
     const auto part = static_cast<double>(part_of(one));

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/kept_files.h"
+#include "clips/clip_format.h"
 #include "clips/image_ring.h"
 #include "recording/recording_settings.h"
 #include "services/cameras/cameras.h"
@@ -65,9 +66,11 @@ class LastSeconds {
   struct Known {
     RecordedCamera::Seen seen{};  // at seen_s
     double seen_s = 0;
-    double last_bytes_per_s = 0;  // in the second before that
-    double bytes_per_s = 0;       // that counts
-    int uneven = 0;               // times without one that counts
+    double last_bytes_per_s = 0;    // in the second before that
+    double bytes_per_s = 0;         // that counts
+    int uneven = 0;                 // times without one that counts
+    std::uint64_t image_bytes = 0;  // of one
+    bool is_kept() const { return image_bytes <= kMaxClipImageBytes; }
     std::shared_ptr<RecordedCamera> camera{};
     std::shared_ptr<ImageRing> ring{};
   };

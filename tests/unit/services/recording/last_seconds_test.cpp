@@ -28,7 +28,7 @@ class LastSecondsTest : public testing::Test {
   void second(int of_0, int of_1) {
     for (int id = 0; id < 2; ++id) {
       for (int i = 0; i < (id == 0 ? of_0 : of_1); ++i) {
-        frame_.image = Image(image_.view, nullptr, nullptr, nullptr);
+        frame_.image = Image(id == 0 ? image_of_0_ : image_.view, nullptr, nullptr, nullptr);
         cameras_.recorded_ones[id]->frame_begins(setup_);
         cameras_.recorded_ones[id]->frame_ends(frame_, setup_);
       }
@@ -46,6 +46,7 @@ class LastSecondsTest : public testing::Test {
   DetectionSender sender_{multicast_};
   CameraSetup setup_;
   OwnedImage image_ = noise_image(PixelFormat::kMono8, 320, 240, 1);
+  ImageView image_of_0_ = image_.view;
   Frame frame_;
   test::NoCameras cameras_;
   LastSeconds last_seconds_{cameras_};
@@ -66,6 +67,15 @@ TEST_F(LastSecondsTest, ACameraWhosePaceIsNeverEvenHasMemoryToo) {
   EXPECT_THAT(memory_mb(), testing::ElementsAre(0, 0)) << "it may only be starting";
   for (int i = 0; i < 4; ++i) second(i % 2 == 0 ? 5 : 20, 0);
   EXPECT_THAT(memory_mb(), testing::ElementsAre(testing::DoubleNear(16, 0.1), 0));
+}
+
+TEST_F(LastSecondsTest, ACameraWhoseImagesNoClipCanHoldTakesNoMemoryAndIsSaid) {
+  image_of_0_.width = image_of_0_.height = 8192;  // nobody reads it
+  image_of_0_.stride_bytes = 8192;
+  for (int i = 0; i < 5; ++i) second(30, 10);
+  EXPECT_THAT(memory_mb(), testing::ElementsAre(0, testing::DoubleNear(16, 0.1)));
+  EXPECT_EQ(last_seconds_.status().problem,
+            "the images of camera 0 are larger than 48 MiB, the most that a clip can hold");
 }
 
 }  // namespace
