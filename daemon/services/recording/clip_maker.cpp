@@ -24,6 +24,7 @@ constexpr std::chrono::milliseconds kNextFrames{20};
 /// For frames that are still on their way when the clip ends.
 constexpr double kLateFrames_s = 0.3;
 constexpr std::uint64_t kCheckDiskEvery = 64'000'000;  // bytes
+constexpr const char* kStopped = "the service was stopped";
 
 std::int64_t to_ns(double steady_s) {
   return std::llround(steady_s * 1e9);
@@ -58,6 +59,8 @@ struct ClipMaker::Work {
 
 ClipProgress ClipMaker::make(const ClipOrder& order, std::vector<LastSeconds::Ring> rings, int every_nth,
                              const Hooks& hooks, const std::stop_token& stop) {
+  const auto must_wait = [&] { return order.can_wait && stop.stop_requested(); };
+  if (must_wait()) return {.why = order.why, .problem = kStopped};  // and no recording goes for it
   Work work{.order = order, .hooks = hooks};
   work.progress.why = order.why;
   work.cameras.reserve(rings.size());
@@ -73,15 +76,17 @@ ClipProgress ClipMaker::make(const ClipOrder& order, std::vector<LastSeconds::Ri
     file = files_.begin(order.name, RecordingFile::Kind::kClip);
     work.progress.file = file.filename().string();
     const double ahead_s = unix_time_s() - steady_s();  // offset from steady to Unix time
-    work.writer.emplace(file, ClipAbout{.site = config->site,
-                                        .version = kVersion,
-                                        .kind = order.kind,
-                                        .why = order.why,
-                                        .begin_s = order.begin_s + ahead_s,
-                                        .end_s = order.end_s + ahead_s});
+    work.writer.emplace(file,
+                        ClipAbout{.site = config->site,
+                                  .version = kVersion,
+                                  .kind = order.kind,
+                                  .why = order.why,
+                                  .begin_s = order.begin_s + ahead_s,
+                                  .end_s = order.end_s + ahead_s},
+                        max_blocks_);
     work.tell();
     write(work, stop);
-    if (order.can_wait && stop.stop_requested()) throw StorageError("the service was stopped");
+    if (must_wait()) throw StorageError(kStopped);
     finish(work);
     is_finished = true;
   } catch (const std::exception& error) {
@@ -91,7 +96,7 @@ ClipProgress ClipMaker::make(const ClipOrder& order, std::vector<LastSeconds::Ri
   work.writer.reset();
   try {
     if (!file.empty()) files_.end(file, is_finished);
-    const bool is_left = work.has_begun() && !(order.can_wait && stop.stop_requested());
+    const bool is_left = work.has_begun() && !must_wait();
     if (!file.empty() && !is_left) files_.remove(work.progress.file);
   } catch (const StorageError& error) {
     log::warning("{}", error.what());
@@ -106,6 +111,11 @@ void ClipMaker::write(Work& work, const std::stop_token& stop) {
     const double now_s = steady_s();
     work.hold();
     for (bool is_more = true; is_more && !stop.stop_requested();) {
+      if (work.writer->is_full()) {
+        log::warning("clip {} ends early: it has as many frames as a clip can have", work.progress.file);
+        for (ClipCamera& camera : work.cameras) camera.end_now();
+        return;
+      }
       if (steady_s() >= work.order.end_s)
         for (ClipCamera& camera : work.cameras) camera.end_now();
       is_more = write_next(work);

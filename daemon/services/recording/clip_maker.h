@@ -51,11 +51,13 @@ class ClipMaker {
   };
 
   /// `config` and `files` must outlive this, `events` gets what was removed to make room, and the clip.
-  ClipMaker(const Snapshot<Config>& config, RecordingFiles& files, EventQueue& events)
-      : config_(config), files_(files), events_(events) {}
+  /// `max_blocks`: for tests.
+  ClipMaker(const Snapshot<Config>& config, RecordingFiles& files, EventQueue& events,
+            std::uint64_t max_blocks = kMaxClipBlocks)
+      : config_(config), files_(files), events_(events), max_blocks_(max_blocks) {}
 
-  /// Returns when the clip's time is over and its frames are written, or when it is told to stop. Nothing is
-  /// left of a clip without frames. Lets all frames go.
+  /// Returns when the clip's time is over and its frames are written, when it has as many as it can have, or
+  /// when it is told to stop. Nothing is left of a clip without frames. Lets all frames go.
   ClipProgress make(const ClipOrder& order, std::vector<LastSeconds::Ring> rings, int every_nth,
                     const Hooks& hooks, const std::stop_token& stop);
 
@@ -68,6 +70,7 @@ class ClipMaker {
   const Snapshot<Config>& config_;
   RecordingFiles& files_;
   EventQueue& events_;
+  const std::uint64_t max_blocks_;
 };
 
 }  // namespace sslv

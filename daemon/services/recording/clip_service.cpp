@@ -28,7 +28,7 @@ constexpr double kShareInterval_s = 1;
 /// Stages' memory is kept so often; a clip begins where it is.
 constexpr double kKeyInterval_s = 0.3;
 constexpr double kKeptEvents_s = 1300;
-constexpr std::size_t kMaxEvents = 1000;
+constexpr std::size_t kMaxEvents = 1000, kMaxEventBytes = 400;  // together less than a clip can hold
 constexpr double kFailureIsTold_s = 600;
 /// Between clips of crashes.
 constexpr std::chrono::seconds kCrashClipInterval{60};
@@ -101,7 +101,7 @@ bool ClipService::put(ClipOrder order) {
 
 void ClipService::note_event(const std::string& kind, const std::string& text) {
   const std::lock_guard lock(mutex_);
-  recent_.push_back({unix_time_s(), kind, text});
+  recent_.push_back({unix_time_s(), kind, shortened(text, kMaxEventBytes)});
   while (recent_.size() > kMaxEvents || recent_.front().time_s < unix_time_s() - kKeptEvents_s)
     recent_.pop_front();
 }
@@ -205,8 +205,8 @@ std::string ClipService::write_crash_clip(const LastSeconds::Left& left, const s
     try {
       if (files_.remove(file.name))
         log::info("recording {} was removed: it is of an earlier crash", file.name);
-    } catch (const StorageError& error) {
-      log::warning("{}", error.what());
+    } catch (const StorageError& problem) {
+      log::warning("{}", problem.what());  // the newer clip is worth more than the room
     }
   }
   ClipOrder order{.name = std::string(kCrashClip),
@@ -232,6 +232,10 @@ std::string ClipService::write_crash_clip(const LastSeconds::Left& left, const s
   const ClipProgress clip =
       maker_.make(order, left.rings, every_nth, {.tell = tell, .wait = {}, .happened = happened}, stop);
   if (clip.problem.empty()) return fmt::format("; clip {} shows what the cameras saw before", clip.file);
+  {
+    const std::lock_guard lock(mutex_);
+    clip_ = {};  // its file may be gone
+  }
   if (stop.stop_requested()) {
     for (const LastSeconds::Ring& ring : left.rings) ring.ring->put_back();
   } else if (clip.frames > 0) {

@@ -45,7 +45,8 @@ void report_recording(const RecordingFacts& facts, HealthReport& report) {
                      facts.lost),
          "Use a faster disk, or record on another computer.");
   }
-  if (facts.refused > 0) {
+  constexpr std::uint64_t kStrays = 100;  // a few harm nothing
+  if (facts.refused > kStrays) {
     warn("recording_refused",
          fmt::format(
              "The match log leaves out {} datagrams that somebody sends to the field's groups: they are "

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <exception>
 #include <filesystem>
 #include <string_view>
@@ -26,6 +27,7 @@ constexpr std::array<std::string_view, 3> kWithNames{"recorded_settings", "setti
 constexpr std::array<const char*, 4> kStateNames{"idle", "running", "done", "failed"};
 constexpr int kMaxPlace = 100'000'000;
 constexpr double kKeptOpen_s = 60;
+constexpr std::chrono::seconds kCloseInterval{1};  // for what is to be closed
 
 const char* name_of(ClipDifference::Kind kind) {
   switch (kind) {
@@ -114,6 +116,7 @@ std::shared_ptr<ReplayService::Open<Reader>> ReplayService::opened(std::vector<O
                                                                    const RecordingFile& file) {
   std::error_code error;
   const auto written = std::filesystem::last_write_time(files_.path_of(file.name), error);
+  OpenOne<Reader> evicted;  // goes after the lock: that may wait for the disk
   const std::lock_guard lock(open_mutex_);
   const auto found = std::ranges::find_if(list, [&](const auto& one) {
     return one.name == file.name && one.bytes == file.bytes && one.written == written;
@@ -122,29 +125,34 @@ std::shared_ptr<ReplayService::Open<Reader>> ReplayService::opened(std::vector<O
     std::rotate(list.begin(), found, found + 1);
   } else {
     list.insert(list.begin(), {file.name, file.bytes, written, 0, std::make_shared<Open<Reader>>()});
-    if (list.size() > kMaxOpen) list.pop_back();
+    if (list.size() > kMaxOpen) {
+      evicted = std::move(list.back());
+      list.pop_back();
+    }
   }
   list.front().used_s = steady_s();
   return list.front().open;
 }
 
-/// What nobody looks at any more, or was removed, keeps neither memory nor the disk's.
+/// What nobody looks at any more, or was removed, keeps neither memory nor the disk's. The lock is not held
+/// while the disk is asked or a reader ends: a disk that hangs holds up nobody else.
 template <class Reader>
 void ReplayService::close_unused(std::vector<OpenOne<Reader>>& list) {
-  std::vector<OpenOne<Reader>> closed;  // after the lock
-  const std::lock_guard lock(open_mutex_);
-  for (auto one = list.begin(); one != list.end();) {
-    const bool is_used = steady_s() - one->used_s < kKeptOpen_s && files_.find(one->name).has_value();
-    if (is_used) {
-      ++one;
-      continue;
-    }
-    closed.push_back(std::move(*one));
-    one = list.erase(one);
+  std::vector<OpenOne<Reader>> all;
+  {
+    const std::lock_guard lock(open_mutex_);
+    all = list;
+  }
+  for (const OpenOne<Reader>& one : all) {
+    if (steady_s() - one.used_s < kKeptOpen_s && files_.find(one.name).has_value()) continue;
+    const std::lock_guard lock(open_mutex_);
+    std::erase_if(list, [&](const auto& other) { return other.open == one.open; });
   }
 }
 
-void ReplayService::each_second() {
+void ReplayService::close_unused() {
+  if (steady_s() - looked_s_ < 1) return;
+  looked_s_ = steady_s();
   close_unused(clips_);
   close_unused(logs_);
 }
@@ -267,10 +275,13 @@ void ReplayService::compare(const std::stop_token& stop) {
     Comparison order;
     {
       std::unique_lock lock(mutex_);
-      ordered_.wait(lock, stop, [&] { return comparison_.state == Comparison::State::kRunning; });
+      const bool is_ordered = ordered_.wait_for(
+          lock, stop, kCloseInterval, [&] { return comparison_.state == Comparison::State::kRunning; });
       if (stop.stop_requested()) return;
-      order = comparison_;
+      if (is_ordered) order = comparison_;
     }
+    close_unused();
+    if (order.state != Comparison::State::kRunning) continue;
     Json result = nullptr;
     std::string error;
     try {
@@ -296,6 +307,7 @@ Json ReplayService::compared(const Comparison& order, const std::stop_token& sto
   ClipReplay::Result result;
   while (!stop.stop_requested() && replay.next(result)) {
     comparison.add(result.recorded->packet, result.packet);
+    close_unused();
     const std::lock_guard lock(mutex_);
     ++comparison_.done;
   }

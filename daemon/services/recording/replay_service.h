@@ -37,7 +37,6 @@ class ReplayService final : public Service {
   // Service
   void ask_to_stop() override { thread_.request_stop(); }
   std::vector<Route> routes() override;
-  void each_second() override;
 
  private:
   /// A recording that clients look at, kept open for a while.
@@ -60,6 +59,7 @@ class ReplayService final : public Service {
   std::shared_ptr<Open<Reader>> opened(std::vector<OpenOne<Reader>>& list, const RecordingFile& file);
   template <class Reader>
   void close_unused(std::vector<OpenOne<Reader>>& list);
+  void close_unused();
   /// use(reader), which is opened when nobody has yet. Throws HttpError for one that cannot be read.
   template <class Use>
   Response with_clip(const RecordingFile& file, const std::stop_token& stop, const Use& use);
@@ -97,6 +97,7 @@ class ReplayService final : public Service {
   mutable std::mutex mutex_;  // guards the next one
   Comparison comparison_;
   std::condition_variable_any ordered_;
+  double looked_s_ = 0;  // when unused ones were closed, on the steady clock; the thread's own
   std::jthread thread_;  // last: it uses the others
 };
 

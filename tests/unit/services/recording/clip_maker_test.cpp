@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <utility>
@@ -137,13 +138,26 @@ TEST_F(ClipMakerTest, AClipThatCanWaitIsNotWrittenInPart) {
   stop.request_stop();
   ClipOrder order = order_of("crash");
   order.can_wait = true;
+  Config little = *config_.load();
+  little.recording.quota_mb = 1;
+  config_.store(little);
+  std::ofstream(files_.path_of("old.clip")) << "anything";
+  std::filesystem::resize_file(files_.path_of("old.clip"), kMb);
   {
     const LastSeconds::Left once = LastSeconds::left_rings(left());
     EXPECT_THAT(make(once.rings, order, {}, stop.get_token()).problem, HasSubstr("was stopped"));
     for (const LastSeconds::Ring& ring : once.rings) ring.ring->put_back();
   }
-  EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+  ASSERT_THAT(files_.list(RecordingFile::Kind::kClip), SizeIs(1)) << "and nothing goes for it";
   EXPECT_THAT(frames_of(make(LastSeconds::left_rings(left()).rings)), SizeIs(6));
+  EXPECT_FALSE(files_.find("old.clip"));
+}
+
+TEST_F(ClipMakerTest, AClipThatIsFullIsFinished) {
+  ClipMaker maker(config_, files_, events_, kClipEndBlocks + 6);  // with what it says and two setups
+  const ClipProgress made = maker.make(order_of("kept"), live(), 1, {}, {});
+  EXPECT_EQ(made.problem, "");
+  EXPECT_THAT(frames_of(made), ElementsAre("0 1", "1 1", "0 2"));
 }
 
 TEST_F(ClipMakerTest, NothingIsLeftOfAClipWithoutFrames) {

@@ -3,6 +3,7 @@
 
 #include "clips/clip_reader.h"
 #include "clips/clip_writer.h"
+#include "recording/match_log_index.h"
 #include "support/becomes.h"
 #include "support/clip_images.h"
 #include "support/no_cameras.h"
@@ -41,11 +42,11 @@ class ClipServiceTest : public ::testing::Test {
     return out;
   }
   /// Starts the service after a crash, until it has told of that.
-  std::string told_after_crash() {
+  std::string told_after_crash(std::size_t memory_bytes = 10) {
     ImageRing ring(1 << 20);
     ring.put_setup(0, {0, Json{{"settings", Json::object()}}, {}});
     const OwnedImage image = noise_image(PixelFormat::kMono8, 64, 64, 1);
-    const std::vector<std::byte> memory(10);
+    const std::vector<std::byte> memory(memory_bytes);
     ClipFrame frame;
     frame.info.times.arrived_ns = 1;
     frame.image = image.view;
@@ -62,6 +63,7 @@ class ClipServiceTest : public ::testing::Test {
         if (alert.id == "service_crashed") told = alert.title;
       return !told.empty();
     });
+    state_ = Json::parse(service.routes().at(0).handle({}).body);
     return told;
   }
 
@@ -74,6 +76,7 @@ class ClipServiceTest : public ::testing::Test {
   }()};
   test::NoCameras cameras_;
   RefereeListener referee_{[] {}};
+  Json state_;  // of clips, when it has told of the crash
 };
 
 TEST_F(ClipServiceTest, AClipThatAPersonCalledSoIsNoneOfACrash) {
@@ -96,6 +99,21 @@ TEST_F(ClipServiceTest, AClipThatAPersonCalledSoIsNoneOfACrash) {
   for (const char* name : {"2026-07-01_10-00_robot_crash.clip", "2026-07-01_10-01_crash.clip",
                            "2026-07-01_10-05_robot_crash.clip"})
     EXPECT_THAT(names(), Contains(name));
+}
+
+TEST_F(ClipServiceTest, ACrashClipThatCannotBeRemovedPreventsNoOther) {
+  for (const char* name : {"a.clip", "b.clip", "c.clip"}) {
+    write(name, "crash", std::chrono::minutes(10));
+    fs::create_directories(index_file_of(files_.path_of(name)) / "in the way");
+  }
+  EXPECT_THAT(told_after_crash(), ::testing::HasSubstr("_crash.clip shows what the cameras saw before"));
+}
+
+TEST_F(ClipServiceTest, OfACrashClipThatFailedNothingIsShown) {
+  EXPECT_THAT(told_after_crash(0), ::testing::HasSubstr("there is no clip of it: no camera has images"));
+  EXPECT_EQ(state_["clip"]["name"], "");
+  EXPECT_EQ(state_["clip"]["frames"], 0);
+  EXPECT_EQ(state_["clip"]["bytes"], 0);
 }
 
 TEST_F(ClipServiceTest, ASecondCrashWithinAMinuteMakesNoClip) {

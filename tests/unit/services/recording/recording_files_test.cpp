@@ -93,7 +93,7 @@ TEST_F(RecordingFilesTest, ClipsGoBeforeMatchLogsAndOldOnesFirst) {
   EXPECT_THAT(goes_for(RoomFor::kMatchLog, 10), ElementsAre("2026-07-04_a.clip"));
   EXPECT_THAT(goes_for(RoomFor::kMatchLog, 50), ElementsAre("2026-07-04_b.clip", "zz_of_others.log.gz"));
   files_.pin("2026-07-02_b.log.gz", true);
-  EXPECT_THAT(goes_for(RoomFor::kMatchLog, 60), IsEmpty());
+  EXPECT_THAT(goes_for(RoomFor::kMatchLog, 70), IsEmpty());
   EXPECT_THAT(names(), ElementsAre("2026-07-03_c.log.gz", "2026-07-02_b.log.gz"));
 }
 
@@ -132,6 +132,7 @@ TEST_F(RecordingFilesTest, TheLogOfTheMatchThatRunsHasTheHighestRank) {
 /// More than half of the quota in one log is not a match's alone.
 TEST_F(RecordingFilesTest, NothingGoesForALogThatStrangersFilled) {
   put("a.log.gz", 30, 9);
+  files_.pin("a.log.gz", true);
   put("a.clip", 20, 8);
   files_.pin("a.clip", true);
   files_.pin("a.log.gz", true);

@@ -271,6 +271,10 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   HealthReport left_out;
   report_left_out(std::vector<LeftOutLibrary>{{"/stages/x.so", "is no shared object"}}, left_out);
   RecordingFacts recording;
+  recording.refused = 100;
+  report_recording(recording, left_out);
+  EXPECT_EQ(left_out.alerts.size(), 1U) << "a few datagrams of others harm nothing";
+  recording.refused = 101;
   recording.lost = 1;
   recording.refused = 1000;
   recording.problem = "the disk is full";
