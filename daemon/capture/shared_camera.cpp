@@ -69,7 +69,11 @@ void SharedCamera::run() {
     } catch (...) {
       problem = "unknown error";
     }
-    if (status == CaptureStatus::kTimeout) continue;
+    if (status == CaptureStatus::kTimeout) {  // packets may be lost all the same
+      const std::lock_guard lock(mutex_);
+      counts_ = {source_->dropped(), source_->packets()};
+      continue;
+    }
     hand_out(status, image, problem);
     if (status == CaptureStatus::kLost || status == CaptureStatus::kEnd) return;
   }

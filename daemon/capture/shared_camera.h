@@ -72,7 +72,7 @@ class SharedCamera {
 
   const std::unique_ptr<Source> source_;
   std::mutex mutex_;  // guards what follows, and what the takers were given
-  Counts counts_;     // with the newest image
+  Counts counts_;     // as of the last call of next()
   std::condition_variable changed_;
   std::set<Taker*> takers_;
   CaptureStatus end_ = CaptureStatus::kTimeout;  // kLost or kEnd: there will be no more

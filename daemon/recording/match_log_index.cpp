@@ -10,6 +10,7 @@
 #include <array>
 #include <fstream>
 #include <iterator>
+#include <new>
 #include <stdexcept>
 #include <system_error>
 
@@ -174,6 +175,8 @@ std::optional<MatchLogIndex> read_match_log_index(const fs::path& log) {
     sign_match_log_index(log, now);
     if (now.file_bytes != index.file_bytes || now.end_sum != index.end_sum) return std::nullopt;
     return index;
+  } catch (const std::bad_alloc&) {  // it says nothing of the index
+    throw;
   } catch (const std::exception&) {  // it is made again
     return std::nullopt;
   }

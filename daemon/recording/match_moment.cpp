@@ -34,7 +34,7 @@ constexpr std::size_t kMaxNameBytes = 60;
 constexpr std::size_t kMaxCameras = 64;
 constexpr int kMaxThings = 256;
 /// Of places within members.
-constexpr std::uint64_t kMaxPlaces = 256, kLeastBetweenPlaces = std::uint64_t{4} << 20U;
+constexpr std::uint64_t kMaxPlaces = 1024, kLeastBetweenPlaces = std::uint64_t{4} << 20U;
 
 double seconds_of(std::int64_t ns) {
   return static_cast<double>(ns) * 1e-9;
@@ -143,7 +143,7 @@ class MatchMoments::Places {
           become_background_thread("log places", 15);
           try {
             find(log, every_bytes, stop);
-          } catch (const std::exception&) {  // who looks at the log finds the same
+          } catch (const std::exception&) {  // who looks at the log finds the same, or has too few places
           }
           const std::lock_guard lock(mutex_);
           is_done_ = true;
@@ -175,7 +175,7 @@ class MatchMoments::Places {
     std::int64_t latest_ns = 0;
     for (LoggedMessage message; !stop.stop_requested() && reader.next(message);) {
       // An index may lie about the log's length.
-      if (reader.message_offset() > kMaxUnpackedBytes || places_.size() > 2 * kMaxPlaces) return;
+      if (reader.message_offset() > kMaxUnpackedBytes || places_.size() > kMaxPlaces) return;
       latest_ns = std::max(latest_ns, message.time_ns);
       for (MemberPlace& found : reader.take_places()) {
         const std::lock_guard lock(mutex_);
@@ -197,8 +197,10 @@ MatchMoments::MatchMoments(const std::filesystem::path& log, std::shared_ptr<con
                            std::uint64_t max_bytes)
     : index_(std::move(index)), max_bytes_(max_bytes), reader_(log) {
   if (largest_gap_bytes(*index_) <= max_bytes_ / 2) return;
+  // Never so far apart that what lies between is out of reach.
   const std::uint64_t every_bytes =
-      std::max(index_->unpacked_bytes / kMaxPlaces, std::min(kLeastBetweenPlaces, max_bytes_ / 4));
+      std::min(std::max(index_->unpacked_bytes / kMaxPlaces, std::min(kLeastBetweenPlaces, max_bytes_ / 4)),
+               max_bytes_ / 2);
   places_ = std::make_unique<Places>(log, every_bytes);
 }
 

@@ -147,6 +147,16 @@ TEST_F(MatchMomentTest, OfALogInOnePieceIsFoundInLittleTime) {
     EXPECT_EQ(theirs.at(at_s), ours.at(at_s)) << at_s;
 }
 
+TEST_F(MatchMomentTest, OfAVeryLongLogIsNotOutOfReach) {
+  const auto whole = folder_.path() / "theirs.log.gz";
+  pack_at_once(file(), whole);
+  MatchLogIndex index = make_match_log_index(whole);
+  index.unpacked_bytes = std::uint64_t{1} << 40U;  // as if much more followed
+  MatchMoments moments(whole, std::make_shared<const MatchLogIndex>(index), 12'000);
+  moments.wait();
+  for (const double at_s : {3.3, 10.0, 19.95}) EXPECT_TRUE(moments.at(at_s)) << at_s;
+}
+
 TEST_F(MatchMomentTest, ThatIsTooFarFromAnyPlaceIsRefused) {
   const auto plain = folder_.path() / "plain.log.gz";
   // Stored, not packed: one block, in which no reading may begin.
