@@ -337,7 +337,7 @@ TEST_F(AskingADaemon, ExportedSettingsComeBack) {
   const std::string file = folder_.file("exported.json");
   answer({"settings", "export", file});
   const Json exported = settings();
-  Json with_version{{"version", 2}};
+  Json with_version{{"version", 3}};
   with_version.update(exported);
   EXPECT_EQ(Json::parse(std::ifstream(file)), with_version);
   EXPECT_EQ(Json::parse(answer({"settings", "export"})), with_version);

@@ -88,6 +88,7 @@ TEST_F(Gathered, LeavesOutSightingsWithoutSense) {
 }
 
 TEST_F(Gathered, TakesNoThousandRobots) {
+  arrived_.image.robots.clear();
   for (int i = 0; i < 1000; ++i) add_robot(i % 256, {0, 0});
   gather();
   EXPECT_EQ(out_.robots.size(), limits::kMaxRobots);

@@ -3,13 +3,14 @@
 
 #include "services/cameras/camera_setup.h"
 #include "support/becomes.h"
+#include "support/paths.h"
 
 #include <gtest/gtest.h>
 
 namespace sslv {
 namespace {
 
-/// Real cameras of the simulator, which send nothing.
+/// Real cameras of a picture, which send nothing.
 class CameraWatchTest : public testing::Test {
  protected:
   std::shared_ptr<RunningCamera> start_camera() {
@@ -23,11 +24,13 @@ class CameraWatchTest : public testing::Test {
     return camera;
   }
 
-  const Config config_ = read_config(
-      {{"cameras",
-        {{{"id", 3},
-          {"stack", {"segment"}},
-          {"source", {{"backend", "simulator"}, {"width", 64}, {"height", 48}, {"frame_rate_hz", 5}}}}}}});
+  const Config config_ = read_config({{"cameras",
+                                       {{{"id", 3},
+                                         {"stack", {"segment"}},
+                                         {"source",
+                                          {{"backend", "files"},
+                                           {"path", source_path("/tests/golden/division_b.jpg")},
+                                           {"loop", true}}}}}}});
   MulticastSender multicast_{MulticastSettings{}};
   FieldIntake intake_;
   const std::shared_ptr<CameraTotals> totals_ = std::make_shared<CameraTotals>();  // of the id
