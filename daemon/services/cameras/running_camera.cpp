@@ -37,9 +37,17 @@ CameraSetup noted(RecordedCamera& recorded, CameraSetup setup, std::shared_ptr<c
 
 }  // namespace
 
-void RunningCamera::LastOpened::hand_over(const Json& source, const Json& settings_of_controls,
+std::uint64_t RunningCamera::LastOpened::begin() {
+  const std::lock_guard lock(mutex);
+  return ++begun;
+}
+
+void RunningCamera::LastOpened::hand_over(std::uint64_t number, const Json& source,
+                                          const Json& settings_of_controls,
                                           const std::shared_ptr<Controls>& opened) {
   const std::lock_guard lock(mutex);
+  if (number < handed_over) return;
+  handed_over = number;
   const bool is_same = std::exchange(camera, camera_of(source)) == camera_of(source);
   auto before = std::exchange(controls, opened);
   settings = settings_of_controls;
@@ -96,16 +104,17 @@ bool RunningCamera::has_stopped() {
 }
 
 std::unique_ptr<CameraThread> RunningCamera::make_thread(const CameraSettings& settings, const Scene& scene,
-                                                         const ControlValues& controls) {
-  auto open = [newest = settings_, last = last_opened_, scene, controls]() mutable {
+                                                         ControlValues controls) {
+  auto open = [newest = settings_, last = last_opened_, scene, unsaid = std::move(controls)]() mutable {
+    const std::uint64_t number = last->begin();
     const auto now = newest->load();
     Json source = now->source;
-    for (const auto& [name, value] : controls) {
+    for (const auto& [name, value] : unsaid) {
       if (!source["controls"].contains(name)) source["controls"][name] = value;
     }
     auto camera = open_source(source, {static_cast<std::uint32_t>(now->id), scene});
-    controls.clear();  // they have gone back: what is set from now on stays when it is opened again
-    last->hand_over(source, controls_in(now->source), camera->controls());
+    unsaid.clear();  // they have gone back: what is set from now on stays when it is opened again
+    last->hand_over(number, source, controls_in(now->source), camera->controls());
     last->follow(*newest);  // what was changed while it was being opened
     return camera;
   };

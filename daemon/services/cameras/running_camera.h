@@ -130,17 +130,20 @@ class RunningCamera {
   void use(CameraSetup setup, std::shared_ptr<const Config> config = nullptr);
   /// `controls`: what the camera is opened with besides the settings, unless they say otherwise.
   std::unique_ptr<CameraThread> make_thread(const CameraSettings& settings, const Scene& scene,
-                                            const ControlValues& controls = {});
+                                            ControlValues controls = {});
 
   /// The camera that was opened last, and its controls: what they remember goes on when it is reopened.
   struct LastOpened {
     std::mutex mutex;
     Json camera;
     std::shared_ptr<Controls> controls;
-    Json settings;  // name -> value that these have, or are being set to
+    Json settings;                             // name -> value that these have, or are being set to
+    std::uint64_t begun = 0, handed_over = 0;  // openings are numbered as they begin
 
-    /// `opened`: none: it has no controls.
-    void hand_over(const Json& source, const Json& settings_of_controls,
+    std::uint64_t begin();
+    /// `opened`: none: it has no controls. Nothing when a later opening was handed over: a thread that was
+    /// left behind may come back at any time.
+    void hand_over(std::uint64_t number, const Json& source, const Json& settings_of_controls,
                    const std::shared_ptr<Controls>& opened);
     /// Sets what these say otherwise; nothing when that is nothing.
     std::function<ControlQueue::Refusals()> follow(const Snapshot<CameraSettings>& newest);
