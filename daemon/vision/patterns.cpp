@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <exception>
 #include <numbers>
 #include <string_view>
 
@@ -172,8 +173,8 @@ void collect_rings(PatternTable& table) {
 PatternTable parse_patterns(const std::string& json_text, const std::string& path, const LabelSet& labels) {
   Json json;
   try {
-    json = Json::parse(json_text);
-  } catch (const Json::exception& error) {
+    json = parse_bounded_json(json_text);
+  } catch (const std::exception& error) {
     throw SettingsError(fmt::format("{}: {}", path, error.what()));
   }
   check_keys(json, path);

@@ -92,7 +92,12 @@ Json files_summary(const BackupFiles& files) {
     for (const Profile& profile : Profiles::from_text(found->second)) profiles.push_back(profile.name);
   }
   if (const auto found = files.find("calibrations.json"); found != files.end()) {
-    const Json json = Json::parse(found->second, nullptr, false);
+    Json json;
+    try {
+      json = parse_bounded_json(found->second);
+    } catch (const std::exception& error) {
+      throw SettingsError(fmt::format("calibrations.json: {}", error.what()));
+    }
     if (json.is_object() && json.contains("cameras") && json["cameras"].is_array()) {
       for (const Json& camera : json["cameras"]) {
         if (camera.is_object() && camera.contains("records")) calibrations += camera["records"].size();
