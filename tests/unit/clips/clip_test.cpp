@@ -725,7 +725,11 @@ class SparseFile {
             ClipBlockHead{.type = static_cast<std::uint32_t>(type), .bytes = bytes, .sum = clip_sum(all)})),
         place);
     put(payload, place + kClipBlockBytes);
-    return place + clip_block_bytes(bytes);
+    const std::uint64_t end = place + clip_block_bytes(bytes);
+    struct stat now {};
+    if (::fstat(fd_, &now) != 0 || static_cast<std::uint64_t>(now.st_size) >= end) return end;
+    EXPECT_EQ(::ftruncate(fd_, static_cast<off_t>(end)), 0);
+    return end;
   }
   std::uint64_t bytes_on_disk() const {
     struct stat about {};

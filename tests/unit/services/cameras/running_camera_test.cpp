@@ -69,7 +69,7 @@ TEST_F(RunningCameraTest, ALightTableOfTheTimeBetweenPlanAndApplyIsKept) {
 TEST_F(RunningCameraTest, APlanMakesNoStageAndNoThread) {
   const Config next = config_with({{"cameras",
                                     {{{"id", 3},
-                                      {"stack", {"segment", "regions"}},
+                                      {"stack", {"threshold", "find_runs"}},
                                       {"thread", {{"cpu", 0}}},
                                       {"source", {{"backend", "simulator"}, {"width", 320}}}}}}});
   const CameraSetup& setup = *camera_.pipeline().setup();
@@ -82,7 +82,7 @@ TEST_F(RunningCameraTest, APlanMakesNoStageAndNoThread) {
   EXPECT_EQ(change.setup->setup.pipeline, nullptr);
   camera_.get_ready(change);
   EXPECT_NE(change.thread, nullptr);
-  EXPECT_EQ(change.setup->setup.pipeline->stack(), (std::vector<std::string>{"segment", "regions"}));
+  EXPECT_EQ(change.setup->setup.pipeline->stack(), (std::vector<std::string>{"threshold", "find_runs"}));
 }
 
 TEST_F(RunningCameraTest, OtherColoursEndTheLightTableOfTheEarlierOnes) {
