@@ -255,7 +255,7 @@ void ControlQueue::write(const Control& control, const Json& value) {
 
 /// Before it is set: the first time, that is what the camera had.
 Control ControlQueue::read(const std::string& name) {
-  const Control now = driver_.get(name);
+  Control now = driver_.get(name);
   const std::lock_guard lock(mutex_);
   if (can_be_remembered(now)) memory_.opened.emplace(name, now.value);
   return now;

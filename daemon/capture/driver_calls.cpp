@@ -37,7 +37,7 @@ struct DriverCalls::Shared : std::enable_shared_from_this<Shared> {
   /// With the lock held.
   Posted add(std::function<void()> run) {
     if (ends) throw CaptureError(kEnds);
-    const auto call = std::make_shared<Call>(Call{std::move(run)});
+    auto call = std::make_shared<Call>(Call{std::move(run)});
     if (!is_running) {
       std::thread([shared = shared_from_this(), left = std::make_unique<LeftBehind>()] {
         become_background_thread("driver calls");

@@ -56,33 +56,32 @@ Json robot_json(const SSL_DetectionRobot& robot, const char* team) {
           {"pixel_y", robot.pixel_y()}};
 }
 
-/// The first ones of a list.
-template <class List>
-auto some_of(const List& list) {
-  return std::ranges::subrange(list.begin(), list.begin() + std::min(list.size(), kMaxThings));
+/// Calls use(one) for the first ones of a list.
+template <class List, class Use>
+void each_of_some(const List& list, const Use& use) {
+  std::for_each(list.begin(), list.begin() + std::min(list.size(), kMaxThings), use);
 }
 
 Json detections_json_of(const SSL_DetectionFrame& frame) {
   Json robots = Json::array(), balls = Json::array();
-  for (const SSL_DetectionRobot& robot : some_of(frame.robots_yellow()))
-    robots.push_back(robot_json(robot, "yellow"));
-  for (const SSL_DetectionRobot& robot : some_of(frame.robots_blue()))
-    robots.push_back(robot_json(robot, "blue"));
-  for (const SSL_DetectionBall& ball : some_of(frame.balls())) {
+  each_of_some(frame.robots_yellow(),
+               [&](const auto& robot) { robots.push_back(robot_json(robot, "yellow")); });
+  each_of_some(frame.robots_blue(), [&](const auto& robot) { robots.push_back(robot_json(robot, "blue")); });
+  each_of_some(frame.balls(), [&](const SSL_DetectionBall& ball) {
     balls.push_back({{"x", ball.x()},
                      {"y", ball.y()},
                      {"confidence", ball.confidence()},
                      {"area", ball.area()},
                      {"pixel_x", ball.pixel_x()},
                      {"pixel_y", ball.pixel_y()}});
-  }
+  });
   return {{"robots", std::move(robots)}, {"balls", std::move(balls)}};
 }
 
 Json tracked_json(const TrackedFrame& frame) {
   constexpr double kMmPerM = 1000;
   Json robots = Json::array(), ball = nullptr;
-  for (const TrackedRobot& robot : some_of(frame.robots())) {
+  each_of_some(frame.robots(), [&](const TrackedRobot& robot) {
     robots.push_back({{"team", robot.robot_id().team() == ::Team::BLUE ? "blue" : "yellow"},
                       {"id", robot.robot_id().id()},
                       {"x", robot.pos().x() * kMmPerM},
@@ -90,7 +89,7 @@ Json tracked_json(const TrackedFrame& frame) {
                       {"orientation", robot.orientation()},
                       {"vx", robot.vel().x() * kMmPerM},
                       {"vy", robot.vel().y() * kMmPerM}});
-  }
+  });
   if (frame.balls_size() > 0) {
     const TrackedBall& first = frame.balls(0);
     ball = {{"x", first.pos().x() * kMmPerM},

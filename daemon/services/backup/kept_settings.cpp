@@ -24,7 +24,7 @@ std::pair<KeptSettings, std::shared_ptr<const Config>> kept_settings(const Setti
     SettingsStore::Version version = settings.current();
     Json history = settings.history();
     if (settings.current().revision != version.revision) continue;  // changed in between
-    return {{std::move(version.settings), version.revision, std::move(history)}, std::move(version.config)};
+    return {{std::move(version.settings), version.revision, std::move(history)}, version.config};
   }
 }
 
