@@ -110,14 +110,14 @@ void BallTracks::choose_ball(double t_s, const RobotTracks& robots) {
   // Where a filter is not finite, the next sightings start another one.
   const auto broken = std::ranges::count_if(balls_, [](const Ball& ball) { return !ball.track.is_finite(); });
   repaired_ += static_cast<std::uint64_t>(broken);
-  const auto is_over = [&](const Ball& ball) {
+  const auto ends = [&](const Ball& ball) {
     return ball.track.is_gone(t_s) || ball.track.is_too_fast() || (broken > 0 && !ball.track.is_finite());
   };
-  if (is_known_ && is_over(balls_[0])) {
+  if (is_known_ && ends(balls_[0])) {
     is_known_ = false;
     lost_s_ = balls_[0].track.is_finite() ? balls_[0].track.seen_s() : t_s;
   }
-  std::erase_if(balls_, is_over);
+  std::erase_if(balls_, ends);
   if (!is_known_) find_played(t_s);
   if (!is_known_) return;
   constexpr double kUnseen_s = 0.05, kLost_s = 0.4, kStill_s = 1;
