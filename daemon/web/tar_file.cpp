@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "web/tar_file.h"
 
+#include <algorithm>
+#include <charconv>
 #include <cstdint>
 #include <memory>
 #include <stdexcept>
+#include <string>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <archive.h>
@@ -153,6 +158,52 @@ void read_pieces(const Reader& in, const std::stop_token& stop, const Use& use) 
   }
 }
 
+/// Sees all bytes of an archive once, and that its headers are those of plain files. Of others (sparse files,
+/// attributes that say a file is one) libarchive makes lists without a bound, before anybody can ask it what
+/// it has found.
+class HeaderCheck {
+ public:
+  void take(std::string_view bytes) {
+    while (!bytes.empty() && !is_over_) {
+      if (const std::size_t passed = std::min(content_bytes_, bytes.size()); passed > 0) {
+        content_bytes_ -= passed;
+        bytes.remove_prefix(passed);
+        continue;
+      }
+      const std::size_t added = std::min(kRecord - header_.size(), bytes.size());
+      header_ += bytes.substr(0, added);
+      bytes.remove_prefix(added);
+      if (header_.size() < kRecord) return;
+      check();
+      header_.clear();
+    }
+  }
+
+ private:
+  static constexpr std::size_t kRecord = 512, kSizeAt = 124, kSizeDigits = 12, kTypeAt = 156;
+
+  void check() {
+    is_over_ = header_.find_first_not_of('\0') == std::string::npos;
+    if (is_over_) return;  // what follows, libarchive does not read
+    if (header_[kTypeAt] != '0' && header_[kTypeAt] != '\0')
+      throw std::runtime_error(
+          "it contains something that is not a plain file (`tar --format=ustar` packs only such)");
+    // Only what libarchive reads as the same number: otherwise it would find its headers elsewhere.
+    std::string_view digits = std::string_view(header_).substr(kSizeAt, kSizeDigits);
+    digits.remove_prefix(std::min(digits.find_first_not_of(' '), digits.size()));
+    digits = digits.substr(0, digits.find_last_not_of(std::string_view(" \0", 2)) + 1);
+    std::uint64_t size = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), size, 8);
+    if (error != std::errc() || end != digits.data() + digits.size())
+      throw std::runtime_error("it contains a file whose size is no octal number");
+    content_bytes_ = (size + kRecord - 1) / kRecord * kRecord;
+  }
+
+  std::string header_;
+  std::size_t content_bytes_ = 0;  // that come before the next header
+  bool is_over_ = false;
+};
+
 /// Also to the end of the compressed bytes, which a reader of the archive does not go to.
 void check_gz(std::string_view bytes, std::size_t max_bytes, const std::stop_token& stop) {
   const Reader in = reader_of(bytes, archive_read_support_filter_gzip, archive_read_support_format_raw);
@@ -161,7 +212,9 @@ void check_gz(std::string_view bytes, std::size_t max_bytes, const std::stop_tok
   if (archive_filter_code(in.get(), 0) != ARCHIVE_FILTER_GZIP)
     throw std::runtime_error("it is not a .tar.gz file");
   std::size_t size = 0;
+  HeaderCheck headers;
   read_pieces(in, stop, [&](std::string_view piece) {
+    headers.take(piece);
     size += piece.size();
     if (size > max_bytes)
       throw std::runtime_error("unpacked, it is larger than " + std::to_string(max_bytes >> 20U) + " MiB");
