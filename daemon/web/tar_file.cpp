@@ -158,7 +158,7 @@ void read_pieces(const Reader& in, const std::stop_token& stop, const Use& use) 
   }
 }
 
-/// Sees all bytes of an archive once, and that its headers are those of plain files. Of others (sparse files,
+/// Sees all bytes of an archive once, and that all its headers are plain files'. Of others (sparse files,
 /// attributes that say a file is one) libarchive makes lists without a bound, before anybody can ask it what
 /// it has found.
 class HeaderCheck {
