@@ -291,7 +291,7 @@ class AravisSource final : public Source {
     return (bytes + kPage - 1) / kPage * kPage;
   }
 
-  /// What the packets that reach the library must fit.
+  /// What the packets that reach the library must fit. Throws CaptureError where none would.
   GvspBounds bounds(std::size_t payload) const {
     const auto number_of = [](GSocketAddress* address) {
       GInetAddress* inet = g_inet_socket_address_get_address(G_INET_SOCKET_ADDRESS(address));
@@ -300,11 +300,18 @@ class AravisSource final : public Source {
         std::memcpy(&number, g_inet_address_to_bytes(inet), sizeof number);
       return GUINT32_FROM_BE(number);
     };
+    Failure failure;
+    const guint packet_bytes = arv_camera_gv_get_packet_size(camera(), failure);
+    if (failure.failed())
+      throw CaptureError(fmt::format("camera \"{}\": no packet size: {}", label_, failure.text()));
+    if (packet_bytes <= kGvspHeaderBytes) {
+      throw CaptureError(fmt::format("camera \"{}\": its packet size is {} bytes, which headers fill", label_,
+                                     packet_bytes));
+    }
     ArvGvDevice* device = ARV_GV_DEVICE(arv_camera_get_device(camera()));
     return {number_of(arv_gv_device_get_device_address(device)),
             number_of(arv_gv_device_get_interface_address(device)),
-            arv_gv_stream_get_port(ARV_GV_STREAM(stream_.get())), payload,
-            arv_camera_gv_get_packet_size(camera(), nullptr)};
+            arv_gv_stream_get_port(ARV_GV_STREAM(stream_.get())), payload, packet_bytes};
   }
 
   /// Lets only packets that fit into the buffers reach the library. Before it has buffers, it throws away

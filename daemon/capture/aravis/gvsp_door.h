@@ -22,6 +22,10 @@ struct GvspBounds {
   std::size_t packet_bytes = 0;       // of IP, as the camera is told
 };
 
+/// Of a packet, the most that headers take: of IP and UDP, extended, and before a piece of a part. The door
+/// is shut to kinds of packets that have no more.
+inline constexpr std::size_t kGvspHeaderBytes = 28 + 20 + 8;
+
 using GvspFilter = std::vector<sock_filter>;
 
 /// For a UDP socket: packets from the camera's address that fit.
