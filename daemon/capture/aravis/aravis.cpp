@@ -35,6 +35,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kForeignPackets(100);
+/// The longest wait for a socket that the library's thread has yet to open.
+constexpr std::chrono::seconds kLateSocket(2);
 /// Nothing of its own for this long after the opening although something came: foreign packets, all the same.
 constexpr std::chrono::milliseconds kFirstPicture(500);
 
@@ -319,18 +321,18 @@ class AravisSource final : public Source {
   /// and whose numbers would make the camera's own images look late.
   void guard(std::size_t payload) const {
     const GvspBounds known = bounds(payload);
-    int guarded = 0, before = 0;
+    const int wanted = ARAVIS_HAS_PACKET_SOCKET != 0 && may_open_packet_sockets() ? 2 : 1;
+    const Clock::time_point give_up = Clock::now() + kLateSocket;
+    int guarded = 0;
     do {
-      before = guarded;
       guarded = guard_gvsp_sockets(known);
       std::this_thread::sleep_for(kForeignPackets);
-    } while (guarded != before);
-    if (guarded > 0) return;
+    } while (guarded < wanted && Clock::now() < give_up);
+    if (guarded >= wanted) return;
     log::warning(
-        "camera \"{}\": the system gives no filter to its socket, so who can send packets in its name can "
-        "end the "
-        "service",
-        label_);
+        "camera \"{}\": only {} of its {} sockets filter their packets, so whoever sends packets in its name "
+        "can end the service",
+        label_, guarded, wanted);
   }
 
   /// For all buffers of the stream, where other processes are to look at images; else null.

@@ -11,6 +11,7 @@
 #include <linux/if_ether.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 namespace sslv {
 namespace {
@@ -282,6 +283,12 @@ GvspFilter gvsp_packet_filter(const GvspBounds& bounds) {
   rules.require_has_come(kIp, kIp + 2);
   add_gvsp(rules, bounds, {kGvsp, kIp + 2, static_cast<std::uint32_t>(kIpAndUdp)});
   return rules.take();
+}
+
+bool may_open_packet_sockets() {
+  const int socket = ::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, 0);
+  if (socket >= 0) ::close(socket);
+  return socket >= 0;
 }
 
 int guard_gvsp_sockets(const GvspBounds& bounds) {

@@ -35,6 +35,10 @@ GvspFilter gvsp_udp_filter(const GvspBounds& bounds);
 /// port, without IP options or fragments.
 GvspFilter gvsp_packet_filter(const GvspBounds& bounds);
 
+/// Whether this process has the right to (CAP_NET_RAW): then the library receives by such a socket and also
+/// keeps its UDP socket.
+bool may_open_packet_sockets();
+
 /// Attaches the filters to the sockets of this process that receive the stream, found by its port. Returns
 /// how many there are; 0: none was found. May be called again.
 int guard_gvsp_sockets(const GvspBounds& bounds);
