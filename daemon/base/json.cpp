@@ -32,7 +32,7 @@ JsonExtent extent_of(const Json& value, std::size_t max_size) {
   return out;
 }
 
-Json parse_bounded_json(std::string_view text) {
+Json parse_bounded_json(std::string_view text, std::size_t max_bytes) {
   constexpr int kMaxDepth = 64, kMaxKeys = 1000;
   // About what the library takes: a few bytes of text, "[],", become a hundred of memory.
   constexpr std::size_t kBytesOfValue = 32, kBytesOfText = 32, kBytesOfKey = 48, kBytesOfList = 32;
@@ -56,8 +56,8 @@ Json parse_bounded_json(std::string_view text) {
         break;
       default: break;
     }
-    if (bytes > kMaxJsonBytes)
-      throw std::length_error("JSON that takes more than " + std::to_string(kMaxJsonBytes >> 20U) +
+    if (bytes > max_bytes)
+      throw std::length_error("JSON that takes more than " + std::to_string(max_bytes >> 20U) +
                               " MiB of memory");
     return true;
   };

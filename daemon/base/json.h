@@ -23,9 +23,9 @@ JsonExtent extent_of(const Json& value, std::size_t max_size);
 /// Of a JSON from elsewhere, in memory. Settings are copied twice while they are checked.
 inline constexpr std::size_t kMaxJsonBytes = 16 * 1024 * 1024;
 
-/// A text from elsewhere: at most kMaxJsonBytes once it is read, 64 levels, and 1000 keys in an object, for
-/// an object that keeps the order of its keys looks all of them through for each new one. Throws
+/// A text from elsewhere: at most `max_bytes` once it is read, 64 levels, and 1000 keys in an object, for an
+/// object that keeps the order of its keys looks all of them through for each new one. Throws
 /// std::length_error where it has more, saying so, and Json::exception where it is not JSON.
-Json parse_bounded_json(std::string_view text);
+Json parse_bounded_json(std::string_view text, std::size_t max_bytes = kMaxJsonBytes);
 
 }  // namespace sslv

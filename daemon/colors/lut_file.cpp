@@ -10,6 +10,7 @@
 #include <array>
 #include <cctype>
 #include <memory>
+#include <stdexcept>
 #include <string_view>
 #include <utility>
 
@@ -24,7 +25,8 @@ using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::string_view kFormat = "ssl-visiond colour table";
 constexpr int kVersion = 1;
-/// Larger than any file of tables.
+/// Larger than any file of tables, also once it is read: in base64, a table of 8 bits in which no two
+/// neighbours are alike has 43 MiB.
 constexpr std::size_t kMaxBytes = 64U << 20;
 
 template <class... Args>
@@ -82,7 +84,9 @@ PrintColor print_of(const Json& label, const std::string& file_name) {
 ColorTable table_of_json(Bytes bytes, const std::string& file_name, const LabelSet& labels) {
   Json json;
   try {
-    json = Json::parse(bytes.begin(), bytes.end());
+    json = parse_bounded_json({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, kMaxBytes);
+  } catch (const std::length_error& error) {
+    refuse_file(file_name, "{}", error.what());
   } catch (const Json::exception& error) {
     refuse_file(file_name, "is not valid JSON: {}", error.what());
   }

@@ -35,6 +35,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kForeignPackets(100);
+/// The longest wait for a socket that the library's thread has yet to open.
+constexpr std::chrono::seconds kLateSocket(2);
 /// Nothing of its own for this long after the opening although something came: foreign packets, all the same.
 constexpr std::chrono::milliseconds kFirstPicture(500);
 
@@ -291,7 +293,7 @@ class AravisSource final : public Source {
     return (bytes + kPage - 1) / kPage * kPage;
   }
 
-  /// What the packets that reach the library must fit.
+  /// What the packets that reach the library must fit. Throws CaptureError where none would.
   GvspBounds bounds(std::size_t payload) const {
     const auto number_of = [](GSocketAddress* address) {
       GInetAddress* inet = g_inet_socket_address_get_address(G_INET_SOCKET_ADDRESS(address));
@@ -300,11 +302,18 @@ class AravisSource final : public Source {
         std::memcpy(&number, g_inet_address_to_bytes(inet), sizeof number);
       return GUINT32_FROM_BE(number);
     };
+    Failure failure;
+    const guint packet_bytes = arv_camera_gv_get_packet_size(camera(), failure);
+    if (failure.failed())
+      throw CaptureError(fmt::format("camera \"{}\": no packet size: {}", label_, failure.text()));
+    if (packet_bytes <= kGvspHeaderBytes) {
+      throw CaptureError(fmt::format("camera \"{}\": its packet size is {} bytes, which headers fill", label_,
+                                     packet_bytes));
+    }
     ArvGvDevice* device = ARV_GV_DEVICE(arv_camera_get_device(camera()));
     return {number_of(arv_gv_device_get_device_address(device)),
             number_of(arv_gv_device_get_interface_address(device)),
-            arv_gv_stream_get_port(ARV_GV_STREAM(stream_.get())), payload,
-            arv_camera_gv_get_packet_size(camera(), nullptr)};
+            arv_gv_stream_get_port(ARV_GV_STREAM(stream_.get())), payload, packet_bytes};
   }
 
   /// Lets only packets that fit into the buffers reach the library. Before it has buffers, it throws away
@@ -312,18 +321,18 @@ class AravisSource final : public Source {
   /// and whose numbers would make the camera's own images look late.
   void guard(std::size_t payload) const {
     const GvspBounds known = bounds(payload);
-    int guarded = 0, before = 0;
+    const int wanted = ARAVIS_HAS_PACKET_SOCKET != 0 && may_open_packet_sockets() ? 2 : 1;
+    const Clock::time_point give_up = Clock::now() + kLateSocket;
+    int guarded = 0;
     do {
-      before = guarded;
       guarded = guard_gvsp_sockets(known);
       std::this_thread::sleep_for(kForeignPackets);
-    } while (guarded != before);
-    if (guarded > 0) return;
+    } while (guarded < wanted && Clock::now() < give_up);
+    if (guarded >= wanted) return;
     log::warning(
-        "camera \"{}\": the system gives no filter to its socket, so who can send packets in its name can "
-        "end the "
-        "service",
-        label_);
+        "camera \"{}\": only {} of its {} sockets filter their packets, so whoever sends packets in its name "
+        "can end the service",
+        label_, guarded, wanted);
   }
 
   /// For all buffers of the stream, where other processes are to look at images; else null.

@@ -3,14 +3,13 @@
 
 #include "base/log.h"
 #include "capture/aravis/aravis_formats.h"
+#include "capture/aravis/gvsp_door.h"
 #include "capture/source.h"
 
 #include <fstream>
 #include <utility>
 
 #include <fmt/format.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 namespace sslv {
 namespace {
@@ -116,10 +115,7 @@ class Setup {
 
 /// Without CAP_NET_RAW images pass through a socket whose buffer the system may keep small.
 void warn_of_small_socket_buffer(const std::string& label, int wanted_bytes) {
-  if (const int packet_socket = ::socket(AF_PACKET, SOCK_DGRAM | SOCK_CLOEXEC, 0); packet_socket >= 0) {
-    ::close(packet_socket);
-    return;
-  }
+  if (may_open_packet_sockets()) return;
   std::ifstream file("/proc/sys/net/core/rmem_max");
   if (int allowed_bytes = 0; file >> allowed_bytes && allowed_bytes < wanted_bytes) {
     log::warning(

@@ -11,11 +11,14 @@
 #include <linux/if_ether.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 namespace sslv {
 namespace {
 
 // Of GVSP. A header is of one of two lengths, by a bit of its fifth byte, which also says what the packet is.
+// It begins with a status, whose highest bit says that the camera cannot send the packet.
+constexpr std::uint32_t kStatusAt = 0, kErrorBit = 0x8000;
 constexpr std::uint32_t kStandardHeader = 8, kExtendedHeader = 20;
 constexpr std::uint32_t kKindAt = 4, kExtendedBit = 0x80, kKindMask = 0x7f;
 constexpr std::uint32_t kLeader = 1, kTrailer = 2, kPayload = 3, kMultipart = 7;
@@ -141,9 +144,14 @@ class HeaderRules {
   /// Packets that a buffer takes.
   std::uint32_t ids_for(std::uint32_t block) const { return (buffer_bytes_ - 1) / block + 1; }
 
+  /// `bytes`: what stands behind the header at least. None where the camera cannot send the packet: the
+  /// library then reads the header alone, and no longer asks for missing packets of this image.
   Rules with_id(std::uint32_t least, std::uint32_t most, std::uint32_t bytes) const {
-    Rules rules;
-    require_behind_header(rules, bytes);
+    Rules rules, sent;
+    require_behind_header(sent, bytes);
+    rules.load_half(place_.gvsp + kStatusAt);
+    rules.mask(kErrorBit);
+    rules.when_equal(0, sent);
     load_id(rules);
     rules.require_at_least(least);
     rules.require_at_most(most);
@@ -282,6 +290,12 @@ GvspFilter gvsp_packet_filter(const GvspBounds& bounds) {
   rules.require_has_come(kIp, kIp + 2);
   add_gvsp(rules, bounds, {kGvsp, kIp + 2, static_cast<std::uint32_t>(kIpAndUdp)});
   return rules.take();
+}
+
+bool may_open_packet_sockets() {
+  const int socket = ::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, 0);
+  if (socket >= 0) ::close(socket);
+  return socket >= 0;
 }
 
 int guard_gvsp_sockets(const GvspBounds& bounds) {

@@ -22,6 +22,10 @@ struct GvspBounds {
   std::size_t packet_bytes = 0;       // of IP, as the camera is told
 };
 
+/// Of a packet, the most that headers take: of IP and UDP, extended, and before a piece of a part. The door
+/// is shut to kinds of packets that have no more.
+inline constexpr std::size_t kGvspHeaderBytes = 28 + 20 + 8;
+
 using GvspFilter = std::vector<sock_filter>;
 
 /// For a UDP socket: packets from the camera's address that fit.
@@ -30,6 +34,10 @@ GvspFilter gvsp_udp_filter(const GvspBounds& bounds);
 /// For a packet socket (AF_PACKET, SOCK_RAW), which sees everything: also only packets to our address and
 /// port, without IP options or fragments.
 GvspFilter gvsp_packet_filter(const GvspBounds& bounds);
+
+/// Whether this process has the right to (CAP_NET_RAW): then the library receives by such a socket and also
+/// keeps its UDP socket.
+bool may_open_packet_sockets();
 
 /// Attaches the filters to the sockets of this process that receive the stream, found by its port. Returns
 /// how many there are; 0: none was found. May be called again.

@@ -2,6 +2,7 @@
 #include "capture/files/file.h"
 
 #include "base/clock.h"
+#include "base/json.h"
 #include "base/params_json.h"
 #include "capture/control_queue.h"
 #include "capture/files/file_clip.h"
@@ -15,6 +16,9 @@
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <string>
 #include <system_error>
 #include <utility>
 
@@ -126,15 +130,17 @@ Options with_told_layout(Options options, const std::vector<Item>& items) {
   const fs::path file = fs::path(raw->path).parent_path() / "frames.json";
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return options;
-  constexpr std::uintmax_t kMaxBytes = std::uintmax_t{64} << 20U;
+  // Also in memory once it is parsed: enough for 100 000 frames.
+  constexpr std::size_t kMaxBytes = std::size_t{64} << 20U;
   const bool is_small = fs::file_size(file, error) <= kMaxBytes && !error;
-  std::ifstream in(file);
-  const Json told = is_small ? Json::parse(in, nullptr, false) : Json();
+  std::ifstream in(file, std::ios::binary);
+  const std::string text = is_small ? std::string(std::istreambuf_iterator<char>(in), {}) : std::string();
   const auto pixels = [](const Json& value) {
     return value.is_number_unsigned() && value <= 16384 ? value.get<int>() : 0;
   };
   bool are_alike = true;
   try {
+    const Json told = parse_bounded_json(text, kMaxBytes);
     const Json& first = told.contains("pixel_format") ? told : told.at("frames").at(0);
     options.pixel_format = pixel_format_named(first.at("pixel_format").get<std::string>());
     options.width = pixels(first.at("width"));
@@ -147,6 +153,9 @@ Options with_told_layout(Options options, const std::vector<Item>& items) {
     }
   } catch (const Json::exception&) {
     options.pixel_format.reset();
+  } catch (const std::length_error& excess) {
+    throw CaptureError(fmt::format("{}: {}; set pixel_format, width and height for the camera", file.string(),
+                                   excess.what()));
   }
   if (!are_alike) {
     throw CaptureError(fmt::format(

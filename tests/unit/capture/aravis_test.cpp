@@ -458,6 +458,9 @@ struct HeldAnswer {
   static inline std::atomic<HeldAnswer*> newest{nullptr};
 };
 
+/// What the camera answers in place of its packet size; 0: nothing in time.
+std::optional<guint> told_packet_bytes;
+
 }  // namespace
 }  // namespace sslv
 
@@ -468,9 +471,26 @@ extern "C" double arv_camera_get_exposure_time(ArvCamera* camera, GError** error
   if (sslv::HeldAnswer* held = sslv::HeldAnswer::newest) held->ask();
   return real(camera, error);
 }
+extern "C" guint arv_camera_gv_get_packet_size(ArvCamera* camera, GError** error) {
+  static const auto real =
+      reinterpret_cast<guint (*)(ArvCamera*, GError**)>(dlsym(RTLD_NEXT, "arv_camera_gv_get_packet_size"));
+  if (sslv::told_packet_bytes == 0U)
+    g_set_error_literal(error, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_TIMEOUT, "it does not answer");
+  return sslv::told_packet_bytes ? *sslv::told_packet_bytes : real(camera, error);
+}
 
 namespace sslv {
 namespace {
+
+TEST_F(Gige, ACameraThatDoesNotSayItsPacketSizeIsNotOpen) {
+  told_packet_bytes = 0;
+  EXPECT_EQ(refusal(Json::object()), "camera \"127.0.0.1\": no packet size: it does not answer");
+  told_packet_bytes = 56;
+  EXPECT_EQ(refusal(Json::object()), "camera \"127.0.0.1\": its packet size is 56 bytes, which headers fill");
+  told_packet_bytes = 57;
+  EXPECT_EQ(refusal(Json::object()), "no error");
+  told_packet_bytes.reset();
+}
 
 TEST_F(Gige, ACameraThatDoesNotSayItsExposureDelaysNoPicture) {
   HeldAnswer held;

@@ -283,6 +283,12 @@ TEST_F(Files, AFileBesideRawFramesThatTellsNothingIsRefusedByName) {
                                       {"pixel_format": "yuyv", "width": 8, "height": 4}]})");
   EXPECT_THAT(refusal(folder_.string()),
               HasSubstr(path("frames.json") + ": its frames have several formats or sizes"));
+  std::string lists = "[[]";
+  while (lists.size() < 5'000'000) lists += ",[]";
+  write("frames.json", lists + "]");
+  EXPECT_EQ(refusal(folder_.string()), path("frames.json") +
+                                           ": JSON that takes more than 64 MiB of memory; set pixel_format, "
+                                           "width and height for the camera");
   // Nor does anything else that has its name.
   std::filesystem::remove(path("frames.json"));
   std::filesystem::create_directory(path("frames.json"));

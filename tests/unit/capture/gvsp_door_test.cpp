@@ -79,6 +79,9 @@ class GvspDoor : public testing::Test {
     const auto extended = [](const std::string& data, std::uint8_t parts = 0) {
       return gvsp_extended_packet(GvspKind::kLeader, 1, 0, data, parts);
     };
+    const auto refused = [](std::string packet) {  // GEV_STATUS_PACKET_UNAVAILABLE
+      return packet.replace(0, 2, "\x80\x0c");
+    };
     const std::string image = gvsp_image_leader(320, 240), block(1464, 'x'), piece = gvsp_piece(0, "x");
     const std::map<std::string, std::string> good{
         {"leader", leader(image)},
@@ -95,6 +98,10 @@ class GvspDoor : public testing::Test {
         {"early trailer", gvsp_packet(GvspKind::kTrailer, 1, 1)},
         {"extended trailer", gvsp_extended_packet(GvspKind::kTrailer, 1, kExtendedIds + 1)},
         {"piece", gvsp_extended_packet(GvspKind::kMultipart, 1, kExtendedIds, piece)},
+        {"packet that is gone", refused(gvsp_packet(GvspKind::kPayload, 1, kStandardIds))},
+        {"extended packet that is gone", refused(gvsp_extended_packet(GvspKind::kPayload, 1, kExtendedIds))},
+        {"piece that is gone", refused(gvsp_extended_packet(GvspKind::kMultipart, 1, 1))},
+        {"trailer that is gone", refused(gvsp_packet(GvspKind::kTrailer, 1, 1))},
     };
     for (const auto& [what, packet] : good) EXPECT_TRUE(passes(packet)) << what;
 
@@ -126,6 +133,13 @@ class GvspDoor : public testing::Test {
         {"piece with a standard header", gvsp_packet(GvspKind::kMultipart, 1, 1, piece)},
         {"piece with a large number",
          gvsp_extended_packet(GvspKind::kMultipart, 1, 10 * kExtendedIds, piece)},
+        {"leader that is gone", refused(gvsp_packet(GvspKind::kLeader, 1, 0))},
+        {"packet 0 that is gone", refused(gvsp_packet(GvspKind::kPayload, 1, 0))},
+        {"gone packet beyond the buffer", refused(gvsp_packet(GvspKind::kPayload, 1, kStandardIds + 1))},
+        {"gone piece with a large number",
+         refused(gvsp_extended_packet(GvspKind::kMultipart, 1, 10 * kExtendedIds))},
+        {"less than the header of a gone packet",
+         refused(gvsp_extended_packet(GvspKind::kPayload, 1, 1)).substr(0, 19)},
         {"all in one", gvsp_packet(GvspKind::kAllIn, 1, 1, image)},
         {"of a kind that there is not", gvsp_packet(static_cast<GvspKind>(77), 1, 1, image)},
     };

@@ -13,6 +13,7 @@
 #include <fstream>
 #include <iterator>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 namespace sslv {
@@ -102,6 +103,25 @@ TEST(TableFile, SaysWhatIsWrongWithJson) {
   EXPECT_THAT(with("runs", runs.substr(0, runs.size() / 4 * 4 - 1)),
               HasSubstr("\"runs\" is not complete base64"));
   EXPECT_THAT(with("runs", runs.substr(0, runs.size() / 8 * 4)), HasSubstr("it is cut off"));
+}
+
+TEST(TableFile, ANoisyTableMayTakeMoreThanOtherJson) {
+  ColorTable table(8);
+  for (std::size_t i = 0; i < table.labels.size() / 2; i += 2) table.labels[i] = label::kPink;
+  const std::string text = table_json_text(table);
+  EXPECT_GT(text.size(), kMaxJsonBytes);
+  EXPECT_TRUE(import_text(text)[0].table == table);
+}
+
+TEST(TableFile, JsonThatTakesMuchMemoryOrTimeIsRefused) {
+  std::string lists = R"({"labels": [[])";
+  while (lists.size() < 5'000'000) lists += ",[]";
+  EXPECT_EQ(error_of_text(lists + "]}"), "a file: JSON that takes more than 64 MiB of memory");
+  std::string keys = R"({"a": 1)";
+  for (int i = 0; i < 1000; ++i) keys += fmt::format(R"(,"{}": 1)", i);
+  EXPECT_EQ(error_of_text(keys + "}"), "a file: JSON with more than 1000 keys in an object");
+  const std::string deep = std::string(100'000, '[');
+  EXPECT_EQ(error_of_text(R"({"a": )" + deep), "a file: JSON nested deeper than 64 levels");
 }
 
 // ---- SSL-Vision's

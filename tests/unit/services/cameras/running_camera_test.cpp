@@ -3,13 +3,20 @@
 
 #include "base/json.h"
 #include "base/open_file.h"
+#include "capture/controls.h"
+#include "capture/shared_camera.h"
+#include "capture/source.h"
 #include "clips/clip_format.h"
 #include "clips/image_ring.h"
+#include "config/backends.h"
 #include "support/becomes.h"
 #include "support/paths.h"
 
+#include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <latch>
 #include <memory>
 #include <string>
 #include <utility>
@@ -140,18 +147,68 @@ TEST_F(RunningCameraTest, ARingKeepsTheSetupThatIsInUse) {
   EXPECT_TRUE(said_of(*ring, context_number()).is_object()) << "it is in use";
 }
 
-TEST_F(RunningCameraTest, ControlsThatAreSavedWhileItIsOpenedAreSetAllTheSame) {
-  const auto with = [](const Json& controls) {
-    return config_with({{"cameras",
-                         {{{"id", 3},
-                           {"stack", {"segment"}},
-                           {"source",
-                            {{"backend", "files"},
-                             {"path", source_path("/tests/golden/division_b.jpg")},
-                             {"loop", true},
-                             {"controls", controls}}}}}}});
+Config config_of_tile(const Json& controls) {
+  return config_with(
+      {{"cameras",
+        {{{"id", 3},
+          {"stack", {"segment"}},
+          {"source",
+           {{"backend", "tile"},
+            {"of",
+             {{"backend", "files"}, {"path", source_path("/tests/golden/division_b.jpg")}, {"loop", true}}},
+            {"width", 64},
+            {"height", 64},
+            {"controls", controls}}}}}}});
+}
+
+/// Lets nobody have its controls, which is part of an opening, until the test lets go.
+struct HeldCamera final : Source {
+  struct Hold {
+    std::atomic<bool> is_asked{false};
+    std::latch let_go{1};
   };
-  const Config before = with(Json::object()), after = with({{"speed", 2.0}});
+  HeldCamera(std::unique_ptr<Source> of, std::shared_ptr<Hold> by)
+      : camera(std::move(of)), hold(std::move(by)) {}
+
+  CaptureStatus next(CapturedImage& image, std::string& problem, std::chrono::milliseconds timeout) override {
+    return camera->next(image, problem, timeout);
+  }
+  std::shared_ptr<Controls> controls() override {
+    hold->is_asked = true;
+    hold->let_go.wait();
+    return camera->controls();
+  }
+
+  const std::unique_ptr<Source> camera;
+  const std::shared_ptr<Hold> hold;
+};
+
+TEST_F(RunningCameraTest, ControlsThatAreSavedWhileItIsOpenedAreSetAllTheSame) {
+  const Config before = config_of_tile(Json::object()), after = config_of_tile({{"speed", 2.0}});
+  const Json of = before.cameras[0].source.at("of");
+  const auto hold = std::make_shared<HeldCamera::Hold>();
+  const auto shared = SharedCamera::get(of.dump(), [&] {
+    return std::make_unique<HeldCamera>(open_source(of, {3, Scene()}), hold);
+  });
+  RunningCamera camera(before.cameras[0], first_setup(before), std::make_shared<const Config>(before),
+                       multicast_, intake_.add(), std::make_shared<CameraTotals>());
+  auto change = camera.plan(after.cameras[0], std::make_shared<const Config>(after), std::nullopt,
+                            "/cameras/0/source/controls");
+  camera.get_ready(change);
+  camera.start();
+  ASSERT_TRUE(test::becomes([&] { return hold->is_asked.load(); }));
+  EXPECT_FALSE(camera.apply(change, {140, 150})) << "it need not be opened again";
+  EXPECT_THAT(camera.outcome(change), testing::IsEmpty());
+  EXPECT_EQ(camera.controls(), nullptr) << "it is still being opened";
+  hold->let_go.count_down();
+  EXPECT_TRUE(test::becomes([&] {
+    const auto controls = camera.controls();
+    return controls != nullptr && controls->get("speed").value == 2;
+  }));
+}
+
+TEST_F(RunningCameraTest, ControlsThatWerePlannedBeforeItWasOpenAreSetAllTheSame) {
+  const Config before = config_of_tile(Json::object()), after = config_of_tile({{"speed", 2.0}});
   RunningCamera camera(before.cameras[0], first_setup(before), std::make_shared<const Config>(before),
                        multicast_, intake_.add(), std::make_shared<CameraTotals>());
   auto change = camera.plan(after.cameras[0], std::make_shared<const Config>(after), std::nullopt,
