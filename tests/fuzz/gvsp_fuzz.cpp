@@ -7,6 +7,7 @@
 #include "capture/aravis/aravis_images.h"
 #include "capture/aravis/gvsp_door.h"
 #include "fuzz/expect.h"
+#include "fuzz/live_bytes.h"
 
 #include <algorithm>
 #include <cstring>
@@ -187,6 +188,7 @@ void look_at_picture(Bytes input) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace sslv;
   if (size == 0) return 0;
+  const LiveBytes live(kMaxLiveBytes);
   Bytes rest(bytes + 1, size - 1);
   if (bytes[0] % 2 == 1) {
     look_at_picture(rest);
