@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/sha256.h"
 #include "fuzz/expect.h"
+#include "fuzz/live_bytes.h"
 #include "services/backup/backup_file.h"
 #include "services/backup/kept_settings.h"
 #include "services/calibration/calibration_history.h"
@@ -82,6 +83,7 @@ void read_through(std::string_view bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace sslv;
   if (size == 0) return 0;
+  const LiveBytes live(kMaxLiveBytes);
   const std::string_view rest(reinterpret_cast<const char*>(bytes + 1), size - 1);
   constexpr const char* kNames[] = {kSettingsName, Profiles::kFileName, Passwords::kFileName,
                                     CalibrationHistory::kFileName, "tables/0123456789abcdef.lut"};

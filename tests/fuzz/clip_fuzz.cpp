@@ -5,6 +5,7 @@
 #include "clips/clip_format.h"
 #include "clips/clip_reader.h"
 #include "fuzz/expect.h"
+#include "fuzz/live_bytes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -88,6 +89,7 @@ void read_all(const std::string& name, std::size_t file_bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace sslv;
   if (size == 0) return 0;
+  const LiveBytes live(kMaxLiveBytes);
   static const std::string name = "/dev/shm/ssl-visiond-fuzz-" + std::to_string(getpid()) + ".clip";
   const auto input = std::as_bytes(std::span(bytes + 1, size - 1));
   std::vector<std::byte> file(input.begin(), input.end());

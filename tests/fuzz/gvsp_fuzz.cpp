@@ -7,6 +7,7 @@
 #include "capture/aravis/aravis_images.h"
 #include "capture/aravis/gvsp_door.h"
 #include "fuzz/expect.h"
+#include "fuzz/live_bytes.h"
 
 #include <algorithm>
 #include <cstring>
@@ -36,7 +37,8 @@ std::optional<std::uint32_t> number_at(Bytes bytes, std::uint64_t at, std::size_
 bool passes(const GvspFilter& filter, Bytes bytes, Bytes network) {
   std::uint32_t a = 0, x = 0;
   for (std::size_t i = 0; i < filter.size(); ++i) {
-    const auto [code, jt, jf, k] = filter[i];
+    const sock_filter& instruction = filter[i];
+    const std::uint32_t k = instruction.k;
     const auto load = [&](std::size_t size) {
       const bool is_network = k >= static_cast<std::uint32_t>(SKF_NET_OFF);
       const auto number = is_network ? number_at(network, k - static_cast<std::uint32_t>(SKF_NET_OFF), size)
@@ -44,8 +46,8 @@ bool passes(const GvspFilter& filter, Bytes bytes, Bytes network) {
       a = number.value_or(0);
       return number.has_value();
     };
-    const auto jump = [&](bool holds) { i += holds ? jt : jf; };
-    switch (code) {
+    const auto jump = [&](bool holds) { i += holds ? instruction.jt : instruction.jf; };
+    switch (instruction.code) {
       case BPF_LD | BPF_W | BPF_ABS:
         if (!load(4)) return false;
         break;
@@ -188,6 +190,7 @@ void look_at_picture(Bytes input) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace sslv;
   if (size == 0) return 0;
+  const LiveBytes live(kMaxLiveBytes);
   Bytes rest(bytes + 1, size - 1);
   if (bytes[0] % 2 == 1) {
     look_at_picture(rest);

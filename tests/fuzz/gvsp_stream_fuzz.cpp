@@ -5,6 +5,7 @@
 // a piece with numbers of the bytes that follow; and two bytes of length. ./run test-long
 #include "capture/aravis/aravis.h"
 #include "fuzz/expect.h"
+#include "fuzz/live_bytes.h"
 #include "support/becomes.h"
 #include "support/gige_server.h"
 #include "support/gvsp_packets.h"
@@ -106,6 +107,7 @@ std::string packet_of(std::uint8_t how, std::uint64_t frame, std::string_view da
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace sslv;
   static Camera camera;
+  const LiveBytes live(kMaxLiveBytes);
   static int inputs = 0;
   std::string_view rest(reinterpret_cast<const char*>(bytes), size);
   ++camera.frame;

@@ -5,6 +5,7 @@
 #include "clips/clip_format.h"
 #include "clips/image_ring.h"
 #include "fuzz/expect.h"
+#include "fuzz/live_bytes.h"
 
 #include <algorithm>
 #include <array>
@@ -89,6 +90,7 @@ void read_all(ImageRing& ring) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace sslv;
+  const LiveBytes live(kMaxLiveBytes);
   ImageRing ring(kBytes);
   fill(ring);
   const std::size_t mapped = ring_mapped_bytes(ring.bytes());

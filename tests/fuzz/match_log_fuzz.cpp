@@ -4,6 +4,7 @@
 // is packed first in two members, or the index of a log that is whole. ./run test-long
 #include "base/error.h"
 #include "fuzz/expect.h"
+#include "fuzz/live_bytes.h"
 #include "recording/match_log_index.h"
 #include "recording/match_log_reader.h"
 #include "recording/match_log_writer.h"
@@ -122,6 +123,7 @@ void read_index(std::span<const std::byte> json) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace sslv;
   if (size == 0) return 0;
+  const LiveBytes live(kMaxLiveBytes);
   const auto input = std::as_bytes(std::span(bytes + 1, size - 1));
   try {
     if (bytes[0] % 3 == 0) {

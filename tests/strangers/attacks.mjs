@@ -6,6 +6,7 @@ import files from './attacks/files.mjs';
 import gvsp from './attacks/gvsp.mjs';
 import http from './attacks/http.mjs';
 import otherComputer from './attacks/other_computer.mjs';
+import otherSubnet from './attacks/other_subnet.mjs';
 import ports from './attacks/ports.mjs';
 import referee from './attacks/referee.mjs';
 import sessions from './attacks/sessions.mjs';
@@ -14,4 +15,4 @@ import slowReaders from './attacks/slow_readers.mjs';
 import tracker from './attacks/tracker.mjs';
 import vision from './attacks/vision.mjs';
 
-export const ATTACKS = [gvsp, vision, otherComputer, tracker, referee, ports, http, slowReaders, sessions, backups, files, settings];
+export const ATTACKS = [gvsp, vision, otherComputer, otherSubnet, tracker, referee, ports, http, slowReaders, sessions, backups, files, settings];

@@ -6,8 +6,12 @@ import { listenTo } from '../e2e/service.mjs';
 
 const OWN_ADDRESS = '127.0.0.1'; // strangers have others
 const KEPT_S = 5;
-const CAPTURE = 2, CAMERA = 4, BALLS = 5, YELLOW = 6, BLUE = 7;
-const UUID = 1, TRACKED = 3;
+const MOST_APART_S = 0.02; // of two packets of tracks that are compared
+const NEWEST = 100; // packets of tracks that are kept to compare with
+const MOST_OFF_MM = 1, LEAST_COMPARED = 0.95, MOST_SILENT_MS = 1000;
+const COMPARED_CAMERAS = 2, GIGE_CAMERA = 2; // the GigE camera is the attacked one's alone
+const CAPTURE = 2, SENT = 3, CAMERA = 4, BALLS = 5, YELLOW = 6, BLUE = 7;
+const TRACKED = 3;
 
 /** What a camera says of an image: {key: which image, body}. */
 function sightingsOf(packet) {
@@ -15,7 +19,7 @@ function sightingsOf(packet) {
   if (!frame) return null;
   const f = fieldsOf(frame);
   const body = Buffer.concat([BALLS, YELLOW, BLUE].flatMap((number) => [Buffer.from([number]), ...(f[number] ?? [])]));
-  return { camera: f[CAMERA][0], key: `${f[CAMERA][0]} ${f[CAPTURE][0].toString('hex')}`, body: body.toString('base64') };
+  return { camera: f[CAMERA][0], sent: f[SENT][0].readDoubleLE(0), key: `${f[CAMERA][0]} ${f[CAPTURE][0].toString('hex')}`, body: body.toString('base64') };
 }
 
 const floats = (bytes) => Object.values(fieldsOf(bytes)).map(([one]) => one.readFloatLE(0) * 1000);
@@ -25,76 +29,173 @@ function tracksOf(packet) {
   if (!outer[TRACKED]) return null;
   const f = fieldsOf(outer[TRACKED][0]);
   const things = new Map();
+  // A second ball, or a second robot of a name, has a name of its own.
+  const add = (name, at, velocity) => things.set(things.has(name) ? `${name} again` : name, {
+    at: floats(at).slice(0, 2), velocity: velocity ? floats(velocity[0]).slice(0, 2) : [0, 0],
+  });
   for (const bytes of f[4] ?? []) {
     const { 1: [id], 2: [at], 4: velocity } = fieldsOf(bytes);
     const { 1: [number], 2: [team] } = fieldsOf(id);
-    things.set(`${team === 1 ? 'yellow' : 'blue'} ${number}`, { at: floats(at), velocity: velocity ? floats(velocity[0]) : [0, 0] });
+    add(`${team === 1 ? 'yellow' : 'blue'} ${number}`, at, velocity);
   }
-  const ball = f[3]?.[0] && fieldsOf(f[3][0]);
-  if (ball) things.set('ball', { at: floats(ball[1][0]).slice(0, 2), velocity: ball[2] ? floats(ball[2][0]).slice(0, 2) : [0, 0] });
-  return { uuid: outer[UUID][0].toString(), time: f[2][0].readDoubleLE(0), things };
+  for (const bytes of f[3] ?? []) {
+    const { 1: [at], 2: velocity } = fieldsOf(bytes);
+    add('ball', at, velocity);
+  }
+  return { time: f[2][0].readDoubleLE(0), things };
 }
 
-export async function compare(attacked, control) {
-  const images = { attacked: new Map(), control: new Map() };
-  let lastTracks = []; // of the control, the newest ones
-  let figures, listeners = [];
-  const begin = () => { figures = { frames: { attacked: 0, control: 0 }, compared: 0, different: [], tracks: 0, off: [], notFinite: 0, lost: 0, last: Date.now() }; };
-  begin();
+const OTHER = { attacked: 'control', control: 'attacked' };
 
-  const hear = (who, packet, from) => {
-    if (from.address !== OWN_ADDRESS) return;
+/** Counts how the packets of 'attacked' differ from those of 'control'. `alone`: robots that only the attacked one sees. */
+export class Comparison {
+  #alone;
+  #images = { attacked: new Map(), control: new Map() };
+  #newest = { attacked: [], control: [] }; // packets of tracks
+  #waiting; // packets of tracks, until the other service has sent one of that time or later
+  #lastSent_s; // of the attacked one: by what it sends
+  #figures;
+
+  constructor(alone = []) {
+    this.#alone = new Set(alone);
+    this.begin();
+  }
+
+  /** From now on. */
+  begin(now_ms = Date.now()) {
+    this.#waiting = { attacked: [], control: [] };
+    this.#lastSent_s = new Map(['tracks', ...Array(COMPARED_CAMERAS).keys()].map((what) => [what, now_ms / 1000]));
+    this.#figures = {
+      frames: { attacked: 0, control: 0 }, compared: 0, different: 0, tracks: 0, skippedTracks: 0, off: [], notFinite: 0, lost: 0, ghosts: new Map(), silent_ms: 0,
+    };
+  }
+
+  end(now_ms = Date.now()) {
+    for (const what of this.#lastSent_s.keys()) this.#hasSent(what, now_ms / 1000);
+    const { off, frames, compared, tracks, skippedTracks, ...others } = this.#figures;
+    const unanswered = this.#waiting.control.length;
+    const sorted = [...off].sort((a, b) => a - b);
+    const at = (share) => sorted[Math.min(sorted.length - 1, Math.floor(sorted.length * share))] ?? NaN;
+    return {
+      ...others, compared, share: compared / Math.max(1, frames.attacked, frames.control),
+      tracksShare: (tracks - skippedTracks) / Math.max(1, tracks + unanswered), p99_mm: at(0.99), max_mm: at(1),
+    };
+  }
+
+  /** A packet of a camera's sightings. */
+  hear(who, packet, now_ms = Date.now()) {
     const sightings = sightingsOf(packet);
     if (!sightings) return;
-    if (who === 'attacked') for (const listener of listeners) listener(detectionOf(packet));
-    if (sightings.camera > 1) return; // the GigE camera is the attacked one's alone
-    figures.frames[who]++;
-    const other = images[who === 'attacked' ? 'control' : 'attacked'];
-    const theirs = other.get(sightings.key);
-    if (theirs === undefined) return void images[who].set(sightings.key, { body: sightings.body, at: Date.now() });
-    other.delete(sightings.key);
-    figures.compared++;
-    if (theirs.body !== sightings.body) figures.different.push(sightings.key);
-  };
-  const follow = (who, packet, from) => {
-    if (from.address !== OWN_ADDRESS) return;
+    const { camera, sent, key, body } = sightings;
+    if (camera > GIGE_CAMERA) this.#isGhost(`camera ${camera}`);
+    if (camera >= COMPARED_CAMERAS) return;
+    if (who === 'attacked') this.#hasSent(camera, sent);
+    this.#figures.frames[who]++;
+    const others = this.#images[OTHER[who]];
+    const theirs = others.get(key);
+    if (theirs === undefined) return void this.#images[who].set(key, { body, at: now_ms });
+    others.delete(key);
+    this.#figures.compared++;
+    if (theirs.body !== body) this.#figures.different++;
+  }
+
+  /** A packet of tracks. */
+  follow(who, packet) {
     const tracks = tracksOf(packet);
     if (!tracks) return;
-    if (who === 'control') {
-      lastTracks = [...lastTracks.slice(-50), tracks];
-      return;
+    if (who === 'attacked') {
+      this.#hasSent('tracks', tracks.time);
+      const isFinite = [tracks.time, ...[...tracks.things.values()].flatMap(({ at }) => at)].every(Number.isFinite);
+      if (!isFinite) this.#figures.notFinite++;
     }
-    figures.last = Date.now();
-    if (!Number.isFinite(tracks.time) || [...tracks.things.values()].some(({ at }) => at.some((one) => !Number.isFinite(one)))) figures.notFinite++;
-    const nearest = lastTracks.reduce((best, one) => (Math.abs(one.time - tracks.time) < Math.abs((best?.time ?? Infinity) - tracks.time) ? one : best), null);
-    if (!nearest || Math.abs(nearest.time - tracks.time) > 0.02) return;
+    if (!Number.isFinite(tracks.time)) return;
+    this.#newest[who] = [...this.#newest[who].slice(1 - NEWEST), tracks];
+    this.#waiting[who].push(tracks);
+    for (const one of ['attacked', 'control']) {
+      const waiting = this.#waiting[one], theirs = this.#newest[OTHER[one]];
+      while (waiting.length > 0 && theirs.at(-1)?.time >= waiting[0].time) this.#compareTracks(one, waiting.shift(), theirs);
+    }
+  }
+
+  /** Images that the other service has not sent are given up. */
+  forget(now_ms = Date.now()) {
+    for (const known of Object.values(this.#images)) for (const [key, { at }] of known) if (now_ms - at > KEPT_S * 1000) known.delete(key);
+  }
+
+  #hasSent(what, time_s) {
+    const last_s = this.#lastSent_s.get(what);
+    if (!(time_s > last_s)) return;
+    this.#figures.silent_ms = Math.max(this.#figures.silent_ms, 1000 * (time_s - last_s));
+    this.#lastSent_s.set(what, time_s);
+  }
+
+  #isGhost(name) {
+    this.#figures.ghosts.set(name, (this.#figures.ghosts.get(name) ?? 0) + 1);
+  }
+
+  #compareTracks(who, tracks, others) {
+    const nearest = others.reduce((best, one) => (Math.abs(one.time - tracks.time) < Math.abs(best.time - tracks.time) ? one : best));
     const dt = tracks.time - nearest.time;
-    for (const [name, { at, velocity }] of nearest.things) {
-      const theirs = tracks.things.get(name);
-      if (!theirs) figures.lost++;
-      else figures.off.push(Math.hypot(at[0] + velocity[0] * dt - theirs.at[0], at[1] + velocity[1] * dt - theirs.at[1]));
-      figures.tracks++;
+    const isFar = Math.abs(dt) > MOST_APART_S;
+    // The attacked one also sends tracks for images of the GigE camera, so the other one's packets are counted.
+    if (who === 'control') {
+      this.#figures.tracks++;
+      if (isFar) this.#figures.skippedTracks++;
+    } else if (!isFar) {
+      for (const [name, { at, velocity }] of nearest.things) {
+        const ours = tracks.things.get(name);
+        if (!ours) this.#figures.lost++;
+        else this.#figures.off.push(Math.hypot(at[0] + velocity[0] * dt - ours.at[0], at[1] + velocity[1] * dt - ours.at[1]));
+      }
+      for (const name of tracks.things.keys()) if (!nearest.things.has(name) && !this.#alone.has(name)) this.#isGhost(name);
     }
-  };
+  }
+}
+
+const percent = (share) => `${(100 * share).toFixed(1)} %`;
+
+/** What must not be, of the figures of a comparison. */
+export function faultsOf({ share, tracksShare, different, notFinite, max_mm, lost, ghosts, silent_ms, missed = 0 }) {
+  const why = missed > 0 ? `; ${missed} packets were dropped before this program read them` : '';
+  return [
+    [!(share >= LEAST_COMPARED), `only ${percent(share)} of the own packets could be compared${why}`],
+    [!(tracksShare >= LEAST_COMPARED), `only ${percent(tracksShare)} of the packets of tracks could be compared${why}`],
+    [different > 0, `${different} own packets differ`],
+    [notFinite > 0, `${notFinite} packets of tracks have no numbers`],
+    [!(max_mm <= MOST_OFF_MM), `tracks are off by ${max_mm.toFixed(2)} mm`],
+    [lost > 0, `${lost} times a track was missing`],
+    [ghosts.size > 0, `there were ghosts: ${[...ghosts].map(([name, times]) => `${name} (${times} times)`).join(', ')}`],
+    [!(silent_ms <= MOST_SILENT_MS), `nothing was sent for ${silent_ms.toFixed(0)} ms`],
+  ].filter(([isWrong]) => isWrong).map(([, what]) => what);
+}
+
+export async function compare(attacked, control, alone) {
+  const comparison = new Comparison(alone);
+  let listeners = [];
   const sockets = [];
+  const missed = () => sockets.reduce((sum, socket) => sum + socket.missed(), 0);
+  let missedBefore = 0;
   for (const [who, { settings }] of Object.entries({ attacked, control })) {
     const { vision, tracker } = settings.network;
-    sockets.push(await listenTo(vision.group, vision.port, (packet, from) => hear(who, packet, from)));
-    sockets.push(await listenTo(tracker.group, tracker.port, (packet, from) => follow(who, packet, from)));
+    sockets.push(await listenTo(vision.group, vision.port, (packet, { address }) => {
+      if (address !== OWN_ADDRESS) return;
+      comparison.hear(who, packet);
+      const detection = who === 'attacked' && listeners.length > 0 ? detectionOf(packet) : null;
+      if (detection) for (const listener of listeners) listener(detection);
+    }));
+    sockets.push(await listenTo(tracker.group, tracker.port, (packet, { address }) => {
+      if (address === OWN_ADDRESS) comparison.follow(who, packet);
+    }));
   }
-  const tidy = setInterval(() => {
-    for (const known of Object.values(images)) for (const [key, { at }] of known) if (Date.now() - at > KEPT_S * 1000) known.delete(key);
-  }, 1000);
+  const tidy = setInterval(() => comparison.forget(), 1000);
 
   return {
     /** From now on. */
-    begin,
-    end() {
-      const { off, different, ...others } = figures;
-      const sorted = [...off].sort((a, b) => a - b);
-      const at = (share) => sorted[Math.min(sorted.length - 1, Math.floor(sorted.length * share))] ?? NaN;
-      return { ...others, different: different.length, p50_mm: at(0.5), p99_mm: at(0.99), max_mm: at(1), silent_ms: Date.now() - figures.last };
+    begin() {
+      missedBefore = missed();
+      comparison.begin();
     },
+    end: () => ({ ...comparison.end(), missed: missed() - missedBefore }),
     /** Each detection of the attacked service; returns how to stop. */
     listen(listener) {
       listeners.push(listener);

@@ -2,8 +2,8 @@
 // What strangers on the team network can do: each attack of attacks.mjs for a while, then all at once, over loopback only,
 // against the real service with two simulated cameras, a GigE camera and a match that is recorded. Beside it runs a service
 // of the same cameras that no stranger knows of. Prints a table in Markdown; exit code 1 unless the service's packets are
-// those of the other one, its tracks too, its memory grows by no more than MOST_GROWTH_MB, nothing is deleted, and no alert
-// comes twice.
+// those of the other one, its tracks too (compare.mjs has the bounds), its memory grows by no more than MOST_GROWTH_MB at its
+// most, it answers, its cameras go on, nothing is deleted, and no alert comes twice. Exit code 77: it cannot be done here.
 //   node strangers.mjs [--minutes 10] [--seed 1] [--only NAME ...] [--rate 20]
 //   SSLV_DAEMON, SSLV_FAKE_CAMERA: the programs; default: the release build's
 import { spawn } from 'node:child_process';
@@ -18,7 +18,7 @@ import { parseArgs } from 'node:util';
 import { gameController } from '../e2e/league_messages.mjs';
 import { becomes, createService, freeUdpPort, root } from '../e2e/service.mjs';
 import { ATTACKS } from './attacks.mjs';
-import { compare } from './compare.mjs';
+import { compare, faultsOf } from './compare.mjs';
 import { Random } from './random.mjs';
 
 const { values: options } = parseArgs({
@@ -28,7 +28,7 @@ const { values: options } = parseArgs({
   },
 });
 const SECONDS = 60 * Number(options.minutes), SEED = Number(options.seed), RATE_HZ = Number(options.rate);
-const MOST_GROWTH_MB = 64, MOST_OFF_MM = 1, QUIET_S = 10;
+const MOST_GROWTH_MB = 64, MOST_IMAGE_CHANGE = 0.2, QUIET_S = 10, ANSWER_MS = 60_000;
 const FAKE_CAMERA = process.env.SSLV_FAKE_CAMERA ?? join(root, 'build/release/bin/fake_gige_camera');
 const CAMERA_ADDRESS = '127.0.0.1';
 const PASSWORDS = { admin: 'correct horse', viewer: 'battery staple' };
@@ -36,6 +36,13 @@ const STOP = 1, START = 2;
 
 const attacks = ATTACKS.filter(({ name }) => !options.only || options.only.some((wanted) => name.includes(wanted)));
 if (attacks.length === 0) throw new Error(`--only: there is ${ATTACKS.map(({ name }) => `"${name}"`).join(', ')}`);
+
+// Not of the field's subnet, which is the loopback's. HTTP comes from there, too: the loopback is trusted more.
+const outside = Object.values(networkInterfaces()).flat().find(({ family, internal }) => family === 'IPv4' && !internal)?.address;
+if (!outside) {
+  console.error('strangers: this computer has no address but its loopback, so no stranger can come from another subnet');
+  process.exit(77);
+}
 
 // ---- two services and a match
 
@@ -55,6 +62,7 @@ const served = {
   source: { ...seen.source, pixel_format: 'bayer_rg8', frame_rate_hz: 10, speed: 0, robots_yellow: 2, robots_blue: 2, first_yellow_id: 12, first_blue_id: 12, balls: 0 },
   calibration: seen.calibration, heartbeat_s: 300,
 };
+const alone = ['yellow', 'blue'].flatMap((team) => Array.from({ length: served.source[`robots_${team}`] }, (_, i) => `${team} ${served.source[`first_${team}_id`] + i}`));
 attacked.settings.cameras.push({ ...seen, id: 2, name: 'GigE', source: { backend: 'aravis', camera: CAMERA_ADDRESS, silence_s: 300 } });
 
 const said = { yellow: ['TIGERs Mannheim'], blue: ['ER-Force'], matchType: 1, stage: 0, command: 0 };
@@ -67,16 +75,15 @@ const talking = setInterval(() => {
 
 // ---- what is asked of the attacked one
 
-const outside = Object.values(networkInterfaces()).flat().find(({ family, internal }) => family === 'IPv4' && !internal)?.address ?? '127.0.0.1';
-if (outside === '127.0.0.1') console.log('This computer has no address but its loopback: HTTP comes from there, which is trusted more.\n');
 const cookies = {};
 
+/** Status 0: no answer. */
 function ask(method, path, { body, cookie, outside: isOutside = false } = {}) {
   const bytes = body === undefined || Buffer.isBuffer(body) || typeof body === 'string' ? body : JSON.stringify(body);
   const host = isOutside ? outside : '127.0.0.1';
   return new Promise((resolve) => {
     const sent = request({
-      host, localAddress: host, port: attacked.settings.panel.port, path: `/${path}`, method, agent: false,
+      host, localAddress: host, port: attacked.settings.panel.port, path: `/${path}`, method, agent: false, signal: AbortSignal.timeout(ANSWER_MS),
       headers: { ...(cookie ? { Cookie: cookie } : {}), ...(bytes === undefined ? {} : { 'Content-Length': Buffer.byteLength(bytes) }) },
     }, (answer) => {
       const parts = [];
@@ -95,7 +102,11 @@ function ask(method, path, { body, cookie, outside: isOutside = false } = {}) {
 ask.cookies = async () => cookies;
 const signIn = async (role) => (await becomes(() => ask('POST', 'api/session', { body: { password: PASSWORDS[role] } }), ({ status }) => status === 200, ({ text }) => text)).headers['set-cookie'][0].split(';')[0];
 const asAdmin = (method, path, body) => ask(method, path, { body, cookie: cookies.admin });
-const status = async () => (await asAdmin('GET', 'api/status')).json;
+/** Null where there is none. */
+const status = async () => {
+  const { status: code, json } = await asAdmin('GET', 'api/status');
+  return code === 200 ? json : null;
+};
 const recordingsFolder = join(attacked.stateFolder, 'recordings');
 const isRecording = () => becomes(async () => (await asAdmin('GET', 'api/recordings')).json?.match_log, (log) => log?.state === 'recording');
 
@@ -111,41 +122,59 @@ const opened = [];
 
 // ---- what is looked at
 
-const memoryMb = () => Number(/^VmRSS:\s+(\d+)/m.exec(readFileSync(`/proc/${attacked.pid()}/status`, 'utf8'))[1]) / 1024;
+/** `what`: VmRSS is what there is now, VmHWM the most since the start or the last forgetMost(). */
+const memoryMb = (what) => Number(new RegExp(`^${what}:\\s+(\\d+)`, 'm').exec(readFileSync(`/proc/${attacked.pid()}/status`, 'utf8'))[1]) / 1024;
+const forgetMost = () => writeFileSync(`/proc/${attacked.pid()}/clear_refs`, '5');
 const isAlive = () => { try { return process.kill(attacked.pid(), 0); } catch { return false; } };
-const brightness = async () => (await asAdmin('GET', 'api/cameras/2/snapshot.jpg?width=64')).text.length;
+/** Of the GigE camera; 0 where there is none. */
+const imageBytes = async () => {
+  const { status: code, text } = await asAdmin('GET', 'api/cameras/2/snapshot.jpg?width=64');
+  return code === 200 ? text.length : 0;
+};
 
-/** Looks once a second until it is told to stop; returns what was wrong. */
+/** Looks once a second until it is told to stop, and then once more; returns what was wrong. */
 function watch(kept, first) {
-  let ends = false, most_mb = 0;
+  let ends = false, oddImage = null;
   const wrong = new Set(), alerts = new Set();
+  const frames = new Map(); // by camera: at the first look and at the newest
   const pid = attacked.pid();
+  forgetMost();
+  const look = async () => {
+    const now = await status();
+    if (!now) wrong.add('/api/status does not answer');
+    const counts = new Map();
+    for (const { id, camera, title } of now?.alerts ?? []) {
+      alerts.add(id);
+      const kind = `${id} ${camera ?? ''}`;
+      counts.set(kind, [...(counts.get(kind) ?? []), title]);
+    }
+    for (const [kind, titles] of counts) if (titles.length > 1) wrong.add(`${titles.length} alerts of a kind: ${kind}: ${titles.slice(0, 3).join('; ')}`);
+    for (const { id, state, frames: newest } of now?.cameras ?? []) {
+      if (state !== 'running') wrong.add(`camera ${id} is ${state}`);
+      frames.set(id, { first: frames.get(id)?.first ?? newest, newest });
+    }
+    const there = new Set(readdirSync(recordingsFolder));
+    for (const name of kept) if (!there.has(name)) wrong.add(`${name} was deleted`);
+    if ((await ask('GET', 'healthz', { outside: true })).status !== 200) wrong.add('/healthz does not answer');
+    const bytes = await imageBytes();
+    if (Math.abs(bytes - first.image_bytes) > MOST_IMAGE_CHANGE * first.image_bytes) oddImage ??= bytes;
+  };
   const done = (async () => {
-    while (!ends) {
-      if (!isAlive()) return void wrong.add('the service has ended');
-      most_mb = Math.max(most_mb, memoryMb());
-      const now = await status();
-      const counts = new Map();
-      for (const { id, camera, title } of now?.alerts ?? []) {
-        alerts.add(id);
-        const kind = `${id} ${camera ?? ''}`;
-        counts.set(kind, [...(counts.get(kind) ?? []), title]);
-      }
-      for (const [kind, titles] of counts) if (titles.length > 1) wrong.add(`${titles.length} alerts of a kind: ${kind}: ${titles.slice(0, 3).join('; ')}`);
-      for (const camera of now?.cameras ?? []) if (camera.state !== 'running') wrong.add(`camera ${camera.id} is ${camera.state}`);
-      const there = new Set(readdirSync(recordingsFolder));
-      for (const name of kept) if (!there.has(name)) wrong.add(`${name} was deleted`);
-      if ((await ask('GET', 'healthz', { outside: true })).status !== 200) wrong.add('/healthz does not answer');
+    while (!ends && isAlive()) {
+      await look();
       await pause(1000);
     }
   })();
   return async () => {
     ends = true;
     await done;
-    const snapshot = await brightness();
-    if (isAlive() && Math.abs(snapshot - first.snapshot) > 0.2 * first.snapshot) wrong.add(`the GigE camera's image has ${snapshot} bytes, before ${first.snapshot}`);
+    const isThere = isAlive();
+    if (isThere) await look();
+    else wrong.add('the service has ended');
+    if (oddImage !== null) wrong.add(`the GigE camera's image had ${oddImage} bytes, before ${first.image_bytes}`);
+    for (const { id } of attacked.settings.cameras) if (!(frames.get(id)?.newest > frames.get(id)?.first)) wrong.add(`camera ${id} took no image`);
     if (attacked.pid() !== pid) wrong.add('the service was started again');
-    return { wrong, alerts, most_mb };
+    return { wrong, alerts, most_mb: isThere ? memoryMb('VmHWM') : NaN };
   };
 }
 
@@ -153,15 +182,11 @@ let failed = false;
 const rows = [];
 function tell(name, seconds, figures, { wrong, alerts, most_mb }, first) {
   const growth_mb = most_mb - first.memory_mb;
-  const share = figures.compared / Math.max(1, figures.frames.control);
-  if (figures.compared === 0) wrong.add('no own packet could be compared');
-  if (figures.different > 0) wrong.add(`${figures.different} own packets differ`);
-  if (figures.notFinite > 0) wrong.add(`${figures.notFinite} packets of tracks have no numbers`);
-  if (!(figures.max_mm <= MOST_OFF_MM)) wrong.add(`tracks are off by ${figures.max_mm.toFixed(2)} mm`);
-  if (figures.lost > 0) wrong.add(`${figures.lost} times a track was missing`);
-  if (growth_mb > MOST_GROWTH_MB) wrong.add(`memory grew by ${growth_mb.toFixed(0)} MB`);
+  for (const fault of faultsOf(figures)) wrong.add(fault);
+  if (!(growth_mb <= MOST_GROWTH_MB)) wrong.add(`memory grew by ${growth_mb.toFixed(0)} MB`);
   failed ||= wrong.size > 0;
-  const row = `| ${name} | ${seconds.toFixed(0)} | ${figures.compared} (${(100 * share).toFixed(1)} %) | ${figures.different} | ${figures.p99_mm.toFixed(2)} | ${figures.max_mm.toFixed(2)} | ${growth_mb.toFixed(0)} | ${[...alerts].join(', ') || '-'} | ${[...wrong].join('; ') || 'none'} |`;
+  const { compared, share, tracksShare, different, p99_mm, max_mm, silent_ms } = figures;
+  const row = `| ${name} | ${seconds.toFixed(0)} | ${compared} (${(100 * share).toFixed(1)} %) | ${different} | ${(100 * tracksShare).toFixed(1)} % | ${p99_mm.toFixed(2)} | ${max_mm.toFixed(2)} | ${silent_ms.toFixed(0)} | ${growth_mb.toFixed(0)} | ${[...alerts].join(', ') || '-'} | ${[...wrong].join('; ') || 'none'} |`;
   rows.push(row);
   console.log(row);
 }
@@ -199,12 +224,12 @@ try {
   Object.assign(said, { command: START });
   await becomes(async () => readdirSync(recordingsFolder).filter((name) => name.endsWith('.clip')).length, (count) => count > 0);
 
-  const comparison = await compare(attacked, control);
+  const comparison = await compare(attacked, control, alone);
   await pause(20_000); // until cameras have been brought together and memory is what it becomes
   const kept = readdirSync(recordingsFolder).filter((name) => /\.(log|log\.gz|clip)$/.test(name));
-  const first = { memory_mb: memoryMb(), snapshot: await brightness() };
+  const first = { memory_mb: memoryMb('VmRSS'), image_bytes: await becomes(imageBytes, (bytes) => bytes > 0) };
   console.log(`Two simulated cameras at ${RATE_HZ} Hz and a GigE camera, a match, ${kept.length} recordings, ${first.memory_mb.toFixed(0)} MB; seed ${SEED}\n`);
-  console.log('| attack | s | own packets compared | different | tracks off, p99 (mm) | max (mm) | memory + (MB) | alerts | wrong |\n|---|---:|---:|---:|---:|---:|---:|---|---|');
+  console.log('| attack | s | own packets compared | different | tracks compared | off, p99 (mm) | max (mm) | silent (ms) | memory + (MB) | alerts | wrong |\n|---|---:|---:|---:|---:|---:|---:|---:|---:|---|---|');
 
   const during = async (name, seconds, some) => {
     const ends = Date.now() + seconds * 1000;

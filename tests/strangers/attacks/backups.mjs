@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-import { createHash } from 'node:crypto';
+import { createCipheriv, createHash } from 'node:crypto';
 import { gzipSync } from 'node:zlib';
 
 const MIB = 1024 * 1024;
+const HOLE_BYTES = 64 * 1024; // from the beginning of a piece to that of the next
 
 /** A block of a tar. `at386`: what GNU's sparse files have there. */
 function record(name, size, type = '0', at386 = '') {
@@ -20,11 +21,38 @@ function record(name, size, type = '0', at386 = '') {
   return head;
 }
 const octal = (number) => `${number.toString(8).padStart(11, '0')} `;
+/** As the record of a file with pieces, of which there are more than fit into it, and records of those (GNU tar). */
+function manyPieces(count) {
+  const piece = (i) => octal(i * HOLE_BYTES) + octal(1);
+  const records = Array.from({ length: Math.ceil(count / 21) }, (_, at, isLast = at === Math.ceil(count / 21) - 1) => {
+    const bytes = Buffer.alloc(512);
+    bytes.write(Array.from({ length: 21 }, (_, i) => piece(4 + 21 * at + i)).join(''), 'latin1');
+    bytes[504] = isLast ? 0 : 1;
+    return bytes;
+  });
+  const pieces = 4 + 21 * records.length;
+  const first = [0, 1, 2, 3].map(piece).join('');
+  return Buffer.concat([record('sparse', pieces, 'S', `${first}\x01${octal(pieces * HOLE_BYTES).trim()}`), ...records, padded(Buffer.alloc(pieces, 'x')), END]);
+}
+/** The same in the format of today: a map before the file's own bytes (GNU tar, pax 1.0). */
+function manyPiecesOfPax(count) {
+  const line = (text) => {
+    const rest = ` ${text}\n`;
+    const length = [1, 2, 3].find((digits) => `${rest.length + digits}`.length === digits) + rest.length;
+    return `${length}${rest}`;
+  };
+  const pax = Buffer.from(['major=1', 'minor=0', 'name=sparse', `realsize=${count * HOLE_BYTES}`].map((one) => line(`GNU.sparse.${one}`)).join(''));
+  const map = padded(Buffer.from(`${count}\n${Array.from({ length: count }, (_, i) => `${i * HOLE_BYTES}\n1\n`).join('')}`));
+  const data = Buffer.concat([map, Buffer.alloc(count, 'x')]);
+  return Buffer.concat([record('PaxHeaders/sparse', pax.length, 'x'), padded(pax), record('GNUSparseFile.0/sparse', data.length), padded(data), END]);
+}
 const padded = (bytes) => Buffer.concat([bytes, Buffer.alloc((512 - (bytes.length % 512)) % 512)]);
 const END = Buffer.alloc(1024);
 const tar = (files) => Buffer.concat([...files.flatMap(([name, content]) => [record(name, content.length), padded(content)]), END]);
 const sumOf = (bytes) => createHash('sha256').update(bytes).digest('hex');
 const manifest = Buffer.from(JSON.stringify({ format: 'ssl-visiond backup', format_version: 1, version: '1', time: 1, computer: 'pc', site: '' }));
+/** That cannot be packed, faster than random.bytes(). */
+const unpackable = (random, size) => createCipheriv('aes-128-ctr', random.bytes(16), random.bytes(16)).update(Buffer.alloc(size));
 /** With sums that are right. */
 const backup = (files) => {
   const all = [['manifest.json', manifest], ...files.map(([name, content]) => [name, Buffer.from(content)])];
@@ -33,10 +61,18 @@ const backup = (files) => {
 const repeated = (text, size) => text.repeat(Math.ceil(size / text.length));
 const table = Buffer.concat([Buffer.from('SSLVLUT2'), Buffer.from([8, 1, 0, 0, 0, 0x80, 0x80, 0x80, 0x08])]);
 
+/** Three of them: as many bytes that cannot be packed, and as many zeros. */
+const tables = (random, size, zeros) => Array.from({ length: 3 }, () => {
+  const bytes = Buffer.concat([Buffer.from('SSLVLUT1'), unpackable(random, Math.floor(size)), Buffer.alloc(Math.floor(zeros))]);
+  return [`tables/${sumOf(bytes).slice(0, 16)}.lut`, bytes];
+});
+
 const settings = ['settings.json', '{"version":2,"revision":1,"history":[],"settings":{"site":7}}']; // refused after all else was read
 /** What a file may be that is none of ours, by what it is. */
 export const FORGED = {
   'a file with a hole of 750 MiB': () => gzipSync(Buffer.concat([record('sparse', 0, 'S', octal(750 * MIB) + octal(0) + '\0'.repeat(73) + octal(750 * MIB).trim()), END])),
+  'a file of 8000 pieces in 500 MiB': () => gzipSync(manyPieces(8000)),
+  'the same as pax says it': () => gzipSync(manyPiecesOfPax(8000)),
   '200 MiB of spaces': () => gzipSync(tar([['settings.json', Buffer.alloc(200 * MIB, 0x20)]])),
   'many large files': () => gzipSync(tar(Array.from({ length: 9 }, (_, i) => [`${i}`, Buffer.alloc(6 * MIB)]))),
   'many small files': () => gzipSync(tar(Array.from({ length: 20_000 }, (_, i) => [`${i}`, Buffer.alloc(0)]))),
@@ -47,7 +83,9 @@ export const FORGED = {
   'profiles that just fit': () => backup([settings, ['profiles.json', `{"profiles":[${repeated('{},', 780_000)}{}]}`]]),
   'calibrations of numbers': () => backup([settings, ['calibrations.json', `[${repeated('0,', 8 * MIB)}0]`]]),
   '2000 tables': () => backup(Array.from({ length: 2000 }, (_, i) => Buffer.concat([table, Buffer.from([i & 255, i >> 8])])).map((bytes) => [`tables/${sumOf(bytes).slice(0, 16)}.lut`, bytes])),
-  'large tables': (random) => backup([settings, ...Array.from({ length: 3 }, () => Buffer.concat([Buffer.from('SSLVLUT1'), random.bytes(2 * MIB), Buffer.alloc(7 * MIB)])).map((bytes) => [`tables/${sumOf(bytes).slice(0, 16)}.lut`, bytes])]),
+  'large tables': (random) => backup([settings, ...tables(random, 2 * MIB, 7 * MIB)]),
+  // 16 MiB as it is sent, 32 MiB unpacked: all that a backup may have.
+  'tables that just fit': (random) => backup([settings, ...tables(random, 5.3 * MIB, 5.3 * MIB)]),
   'bytes that are packed': (random) => gzipSync(random.bytes(MIB)),
   'bytes that are none': (random) => random.bytes(MIB),
 };

@@ -4,7 +4,7 @@ import {
   ALL_IN, EXTENDED_CHUNK, IMAGE, LEADER, MULTIPART, PARTS, PAYLOAD, TRAILER, WITH_CHUNKS, extendedGvsp, gvsp, imageLeader, partsLeader, piece, readStreamPort,
 } from '../wire.mjs';
 
-const CONTROL_PORT = 3956;
+const CONTROL_PORT = 3956, ANSWER_MS = 10_000;
 
 /** Far from the camera's own frame numbers, which would be late behind it. */
 let frame = 0x4000;
@@ -32,9 +32,9 @@ export default {
   async run({ socketAt, random, gige, isOver, pause }) {
     const sockets = [await socketAt('127.0.0.1'), await socketAt('127.0.0.66')];
     const [asker] = sockets;
-    const answered = once(asker.socket, 'message');
+    const answered = once(asker.socket, 'message', { signal: AbortSignal.timeout(ANSWER_MS) });
     asker.send(readStreamPort, CONTROL_PORT, gige.address);
-    const [answer] = await answered;
+    const [answer] = await answered.catch(() => { throw new Error('the camera does not say where it sends its images to'); });
     const port = answer.readUInt16BE(10);
     while (!isOver()) {
       const packets = random.pick(KNOWN)();
