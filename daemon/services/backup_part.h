@@ -24,10 +24,10 @@ class BackupPart {
   /// Whether a file with this name is of this part.
   virtual bool has(const std::string& name) const = 0;
 
-  /// Reads its files of a backup, which are to take the place of those there are. Until what is returned
-  /// goes, settings may use what the files hold; nothing else changes before it is saved. Throws
+  /// Reads `files`, those of a backup that it has, which are to take the place of those there are. Until what
+  /// is returned goes, settings may use what the files hold; nothing else changes before it is saved. Throws
   /// SettingsError, beginning with the file's name.
-  virtual std::unique_ptr<SavedWith> prepare(const BackupFiles& files) = 0;
+  virtual std::unique_ptr<SavedWith> prepare(BackupFiles files) = 0;
 };
 
 }  // namespace sslv

@@ -18,6 +18,7 @@
 #include <exception>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -149,20 +150,23 @@ BackupService::Read BackupService::read(const Request& request) {
     throw SettingsError(
         fmt::format("{}: is not in the file; expected a backup of ssl-visiond", kSettingsName));
   out.settings = read_kept_settings(settings->second);
-  for (const auto& [name, content] : backup.files) {
-    const bool is_known =
-        name == kSettingsName || std::any_of(parts_.begin(), parts_.end(),
-                                             [&name = name](const auto* part) { return part->has(name); });
-    if (!is_known) {
+  backup.files.erase(settings);
+  out.has_passwords = backup.files.contains(Passwords::kFileName);
+  out.summary = files_summary(backup.files);
+  std::map<BackupPart*, BackupFiles> files;
+  while (!backup.files.empty()) {
+    auto file = backup.files.extract(backup.files.begin());
+    const auto part = std::find_if(parts_.begin(), parts_.end(),
+                                   [&](const BackupPart* one) { return one->has(file.key()); });
+    if (part == parts_.end()) {
       throw SettingsError(
           fmt::format("{}: is not allowed in a backup; expected {}, {}, calibrations.json, {} and "
                       "tables/*.lut",
-                      shortened(name), kSettingsName, Profiles::kFileName, Passwords::kFileName));
+                      shortened(file.key()), kSettingsName, Profiles::kFileName, Passwords::kFileName));
     }
+    files[*part].insert(std::move(file));
   }
-  out.has_passwords = backup.files.contains(Passwords::kFileName);
-  out.summary = files_summary(backup.files);
-  for (BackupPart* part : parts_) out.parts.push_back(part->prepare(backup.files));
+  for (BackupPart* part : parts_) out.parts.push_back(part->prepare(std::move(files[part])));
   return out;
 }
 

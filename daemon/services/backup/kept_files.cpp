@@ -53,9 +53,9 @@ class RestoredPasswords final : public SavedWith {
   bool& is_restored_;
 };
 
-std::optional<std::string> part_text_in(const BackupFiles& files, const char* name) {
+std::optional<std::string> part_text_in(BackupFiles& files, const char* name) {
   const auto found = files.find(name);
-  return found == files.end() ? std::nullopt : std::optional(found->second);
+  return found == files.end() ? std::nullopt : std::optional(std::move(found->second));
 }
 
 }  // namespace
@@ -65,7 +65,7 @@ BackupFiles ProfilesPart::files(const Config& /*config*/) const {
   return text ? BackupFiles{{Profiles::kFileName, *text}} : BackupFiles{};
 }
 
-std::unique_ptr<SavedWith> ProfilesPart::prepare(const BackupFiles& files) {
+std::unique_ptr<SavedWith> ProfilesPart::prepare(BackupFiles files) {
   const auto text = part_text_in(files, Profiles::kFileName);
   return std::make_unique<RestoredProfiles>(profiles_,
                                             text ? std::optional(Profiles::from_text(*text)) : std::nullopt);
@@ -76,7 +76,7 @@ BackupFiles PasswordsPart::files(const Config& /*config*/) const {
   return text.empty() ? BackupFiles{} : BackupFiles{{Passwords::kFileName, text}};
 }
 
-std::unique_ptr<SavedWith> PasswordsPart::prepare(const BackupFiles& files) {
+std::unique_ptr<SavedWith> PasswordsPart::prepare(BackupFiles files) {
   const auto text = part_text_in(files, Passwords::kFileName);
   if (text) Passwords::check_text(*text);
   has_restored_ = false;

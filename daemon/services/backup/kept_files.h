@@ -12,7 +12,7 @@ class ProfilesPart final : public BackupPart {
   explicit ProfilesPart(Profiles& profiles) : profiles_(profiles) {}
   BackupFiles files(const Config& config) const override;
   bool has(const std::string& name) const override { return name == Profiles::kFileName; }
-  std::unique_ptr<SavedWith> prepare(const BackupFiles& files) override;
+  std::unique_ptr<SavedWith> prepare(BackupFiles files) override;
 
  private:
   Profiles& profiles_;
@@ -25,7 +25,7 @@ class PasswordsPart final : public BackupPart {
   explicit PasswordsPart(Passwords& passwords) : passwords_(passwords) {}
   BackupFiles files(const Config& config) const override;
   bool has(const std::string& name) const override { return name == Passwords::kFileName; }
-  std::unique_ptr<SavedWith> prepare(const BackupFiles& files) override;
+  std::unique_ptr<SavedWith> prepare(BackupFiles files) override;
   /// Whether those of the backup that was prepared last were taken over.
   bool has_restored() const { return has_restored_; }
 

@@ -88,10 +88,11 @@ BackupFiles CalibrationRecords::files(const Config& /*config*/) const {
   return text ? BackupFiles{{CalibrationHistory::kFileName, *text}} : BackupFiles{};
 }
 
-std::unique_ptr<SavedWith> CalibrationRecords::prepare(const BackupFiles& files) {
+std::unique_ptr<SavedWith> CalibrationRecords::prepare(BackupFiles files) {
   const auto found = files.find(CalibrationHistory::kFileName);
   return std::make_unique<RestoredHistory>(
-      std::unique_lock(mutex_), history_, found == files.end() ? std::nullopt : std::optional(found->second));
+      std::unique_lock(mutex_), history_,
+      found == files.end() ? std::nullopt : std::optional(std::move(found->second)));
 }
 
 Json CalibrationRecords::history_json(int camera_id) const {

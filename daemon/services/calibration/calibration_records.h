@@ -46,7 +46,7 @@ class CalibrationRecords final : public BackupPart {
   BackupFiles files(const Config& config) const override;
   bool has(const std::string& name) const override { return name == CalibrationHistory::kFileName; }
   /// No calibration is accepted or reverted until what is returned goes.
-  std::unique_ptr<SavedWith> prepare(const BackupFiles& files) override;
+  std::unique_ptr<SavedWith> prepare(BackupFiles files) override;
 
  private:
   class SavedHistory;

@@ -254,20 +254,16 @@ class SavedTables::Offered final : public SavedWith {
   std::vector<std::pair<std::string, std::optional<std::string>>> replaced_;  // by name: what was there
 };
 
-std::unique_ptr<SavedWith> SavedTables::prepare(const BackupFiles& files) {
-  BackupFiles own;
+std::unique_ptr<SavedWith> SavedTables::prepare(BackupFiles files) {
   for (const auto& [file_name, bytes] : files) {
-    const std::string name = table_name_in(file_name);
-    if (name.empty()) continue;
-    if (table_name_of(bytes) != name || !is_lut(bytes_in_text(bytes))) {
+    if (table_name_of(bytes) != table_name_in(file_name) || !is_lut(bytes_in_text(bytes))) {
       throw SettingsError(
           fmt::format("{}: its contents do not match its name; expected a .lut file named "
                       "after its SHA-256",
                       file_name));
     }
-    own.emplace(file_name, bytes);
   }
-  return std::make_unique<Offered>(*this, std::move(own));
+  return std::make_unique<Offered>(*this, std::move(files));
 }
 
 }  // namespace sslv

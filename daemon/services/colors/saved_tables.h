@@ -46,7 +46,7 @@ class SavedTables : public BackupPart {
   // settings' own and the newest.
   BackupFiles files(const Config& config) const override;
   bool has(const std::string& name) const override;
-  std::unique_ptr<SavedWith> prepare(const BackupFiles& files) override;
+  std::unique_ptr<SavedWith> prepare(BackupFiles files) override;
 
  private:
   class Offered;
