@@ -124,12 +124,19 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
         return refuse(503, "other large files are being sent; try again in a moment");
       large_.emplace(context_.large_requests);
       stream_.expires_after(kLargeRequestTimeout);
+    } else if (std::string problem; !seat_.holds(body_size, problem)) {
+      return refuse(503, problem);
     }
     const std::size_t size = header_size + body_size;
     if (received_.size() >= size) return handle(size);
     received_.reserve(size);
-    asio::async_read(stream_, asio::dynamic_buffer(received_),
-                     asio::transfer_exactly(size - received_.size()),
+    const auto while_sent = [this, rest = size - received_.size()](beast::error_code read_error,
+                                                                   std::size_t count) -> std::size_t {
+      if (read_error) return 0;
+      seat_.makes_progress();
+      return rest - count;
+    };
+    asio::async_read(stream_, asio::dynamic_buffer(received_), while_sent,
                      [self = shared_from_this(), size](beast::error_code read_error, std::size_t) {
                        if (!read_error) self->handle(size);
                      });
