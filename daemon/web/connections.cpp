@@ -4,7 +4,6 @@
 #include "web/http.h"
 
 #include <algorithm>
-#include <map>
 #include <utility>
 #include <vector>
 
@@ -21,6 +20,10 @@ constexpr std::size_t kPartOfUnsentThatIsMany = 4;
 
 std::size_t part(std::size_t max, std::size_t of) {
   return std::max<std::size_t>(1, max / of);
+}
+
+std::size_t if_large(std::size_t bytes) {
+  return bytes > Connections::kAlwaysSentBytes ? bytes : 0;
 }
 
 }  // namespace
@@ -42,7 +45,7 @@ std::shared_ptr<Connections::Seat> Connections::admit(const std::string& address
     if (!is_trusted && count(neighbours) >= part(max_, kPartOfAddress)) {
       among = neighbours;
       problem = "too many connections from your address";
-    } else if (!is_trusted && count(strangers) >= max_ - max_ / kPartKept) {
+    } else if (!is_trusted && strangers_.seats >= max_ - max_ / kPartKept) {
       among = strangers;
       problem = "too many connections; try again later";
     } else if (seats_.size() >= max_) {
@@ -58,6 +61,7 @@ std::shared_ptr<Connections::Seat> Connections::admit(const std::string& address
     }
     seat = std::make_shared<Seat>(*this, network, is_trusted);
     seat->place_ = seats_.insert(seats_.end(), seat.get());
+    count_in(*seat);
   }
   if (close) close();
   return seat;
@@ -70,15 +74,13 @@ std::size_t Connections::count(const std::function<bool(const Seat&)>& which) co
 
 Connections::Seat* Connections::most_dispensable(const std::function<bool(const Seat&)>& which,
                                                  double patience_s, std::size_t min_of_network) const {
-  std::map<std::string, std::size_t> of_network;
-  for (const Seat* seat : seats_) ++of_network[seat->network_];
   const double patient_since_s = now_s_() - patience_s;
   Seat* best = nullptr;
   std::size_t best_count = 0;
   for (Seat* seat : seats_) {
     const bool can_go = seat->close_ && (seat->state_ == State::kWaits ||
                                          (seat->state_ == State::kSends && seat->since_s_ < patient_since_s));
-    const std::size_t neighbours = of_network[seat->network_];
+    const std::size_t neighbours = seat->group_->second.seats;
     if (!can_go || neighbours < min_of_network || neighbours <= best_count || !which(*seat)) continue;
     best = seat;
     best_count = neighbours;
@@ -86,33 +88,52 @@ Connections::Seat* Connections::most_dispensable(const std::function<bool(const 
   return best;
 }
 
-std::size_t Connections::unsent_bytes(const std::function<bool(const Seat&)>& which) const {
-  std::size_t sum = 0;
-  for (const Seat* seat : seats_) sum += which(*seat) ? seat->unsent_bytes_ : 0;
-  return sum;
-}
-
 Connections::Seat* Connections::slowest(const std::function<bool(const Seat&)>& which, double patience_s,
                                         std::size_t min_bytes_of_network) const {
-  std::map<std::string, std::size_t> of_network;
-  for (const Seat* seat : seats_) of_network[seat->network_] += seat->unsent_bytes_;
-  const double patient_since_s = now_s_() - patience_s;
+  const double now_s = now_s_();
   Seat* best = nullptr;
   for (Seat* seat : seats_) {
-    const std::size_t bytes = of_network[seat->network_];
-    if (!seat->close_ || seat->unsent_bytes_ <= kAlwaysSentBytes ||
-        seat->unsent_since_s_ >= patient_since_s || bytes < min_bytes_of_network || !which(*seat))
+    const std::size_t bytes = seat->group_->second.large_bytes;
+    // A viewer skips images instead. A request that is being handled waits for no client.
+    const double own_patience_s = seat->state_ == State::kStays ? kSendPatience_s : patience_s;
+    if (!seat->close_ || seat->state_ == State::kWorks || seat->unsent_bytes_ <= kAlwaysSentBytes ||
+        seat->unmoved_since_s_ >= now_s - own_patience_s || bytes < min_bytes_of_network || !which(*seat))
       continue;
-    const std::size_t most = best == nullptr ? 0 : of_network[best->network_];
-    if (bytes > most || (bytes == most && seat->unsent_since_s_ < best->unsent_since_s_)) best = seat;
+    const std::size_t most = best == nullptr ? 0 : best->group_->second.large_bytes;
+    if (bytes > most || (bytes == most && seat->unmoved_since_s_ < best->unmoved_since_s_)) best = seat;
   }
   return best;
 }
 
 std::function<void()> Connections::leave(Seat& seat) {
+  count_out(seat);
   seats_.erase(seat.place_);
   seat.is_counted_ = false;
   return std::move(seat.close_);
+}
+
+void Connections::count_in(Seat& seat) {
+  seat.group_ = groups_.try_emplace({seat.network_, seat.is_trusted_}).first;
+  for (Sums* sums : {&seat.group_->second, &all_of(seat.is_trusted_)}) {
+    ++sums->seats;
+    sums->large_bytes += if_large(seat.unsent_bytes_);
+  }
+}
+
+void Connections::count_out(Seat& seat) {
+  for (Sums* sums : {&seat.group_->second, &all_of(seat.is_trusted_)}) {
+    --sums->seats;
+    sums->large_bytes -= if_large(seat.unsent_bytes_);
+  }
+  if (seat.group_->second.seats == 0) groups_.erase(seat.group_);
+}
+
+void Connections::set_unsent_bytes(Seat& seat, std::size_t bytes) {
+  if (seat.is_counted_) {
+    for (Sums* sums : {&seat.group_->second, &all_of(seat.is_trusted_)})
+      sums->large_bytes = sums->large_bytes - if_large(seat.unsent_bytes_) + if_large(bytes);
+  }
+  seat.unsent_bytes_ = bytes;
 }
 
 Connections::Seat::Seat(Connections& connections, std::string network, bool is_trusted)
@@ -123,7 +144,7 @@ Connections::Seat::Seat(Connections& connections, std::string network, bool is_t
 
 Connections::Seat::~Seat() {
   const std::lock_guard lock(connections_.mutex_);
-  if (is_counted_) connections_.seats_.erase(place_);
+  if (is_counted_) connections_.leave(*this);
 }
 
 void Connections::Seat::closes_by(std::function<void()> close) {
@@ -138,7 +159,7 @@ void Connections::Seat::is(State state) {
 
 void Connections::Seat::enter(State state) {
   state_ = state;
-  since_s_ = connections_.now_s_();
+  since_s_ = unmoved_since_s_ = connections_.now_s_();
   if (is_counted_) connections_.seats_.splice(connections_.seats_.end(), connections_.seats_, place_);
 }
 
@@ -148,7 +169,11 @@ bool Connections::Seat::stays(bool is_trusted, std::string& problem) {
     problem = "too many connections; try again later";
     return false;
   }
-  is_trusted_ = is_trusted_ || is_trusted;
+  if (is_trusted && !is_trusted_) {
+    connections_.count_out(*this);
+    is_trusted_ = true;
+    connections_.count_in(*this);
+  }
   if (!is_trusted_) {
     const std::size_t max = connections_.max_;
     const auto viewers = [](const Seat& one) { return one.state_ == State::kStays && !one.is_trusted_; };
@@ -171,15 +196,14 @@ bool Connections::Seat::holds(std::size_t bytes, std::string& problem) {
   bool fits = true;
   {
     const std::lock_guard lock(connections_.mutex_);
-    const double now_s = connections_.now_s_();
     const std::size_t before = unsent_bytes_;
     if (bytes > before && bytes > kAlwaysSentBytes) {
       const auto peers = [this](const Seat& one) { return &one != this && one.is_trusted_ == is_trusted_; };
       const auto neighbours = [&](const Seat& one) { return peers(one) && one.network_ == network_; };
-      const auto make_room = [&](const std::function<bool(const Seat&)>& among, std::size_t max) {
+      const auto make_room = [&](const Sums& sums, const auto& among, std::size_t max) {
         for (;;) {
-          // What nobody else adds to is sent, however much it is.
-          const std::size_t others = connections_.unsent_bytes(among);
+          // One large answer is sent, however large it is.
+          const std::size_t others = sums.large_bytes - if_large(before);
           if (others == 0 || others + bytes <= max) return true;
           Seat* slow = connections_.slowest(among, kSendPatience_s, 0);
           if (slow == nullptr)
@@ -189,12 +213,13 @@ bool Connections::Seat::holds(std::size_t bytes, std::string& problem) {
           closed.push_back(connections_.leave(*slow));
         }
       };
-      fits = is_counted_ && (is_trusted_ || make_room(neighbours, kMaxUnsentBytesOfAddress)) &&
-             make_room(peers, kMaxUnsentBytes);
+      fits = is_counted_ &&
+             (is_trusted_ || make_room(group_->second, neighbours, kMaxUnsentBytesOfAddress)) &&
+             make_room(connections_.all_of(is_trusted_), peers, kMaxUnsentBytes);
     }
     if (fits) {
-      if (before == 0) unsent_since_s_ = now_s;
-      unsent_bytes_ = bytes;
+      if (before == 0) unmoved_since_s_ = connections_.now_s_();
+      connections_.set_unsent_bytes(*this, bytes);
     } else {
       ++connections_.unsent_;
       problem = "too much waits for clients that take nothing; try again in a moment";
@@ -204,9 +229,9 @@ bool Connections::Seat::holds(std::size_t bytes, std::string& problem) {
   return fits;
 }
 
-void Connections::Seat::was_taken_from() {
+void Connections::Seat::makes_progress() {
   const std::lock_guard lock(connections_.mutex_);
-  unsent_since_s_ = connections_.now_s_();
+  unmoved_since_s_ = connections_.now_s_();
 }
 
 }  // namespace sslv

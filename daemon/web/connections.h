@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <functional>
 #include <list>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 
 namespace sslv {
 
@@ -23,10 +25,11 @@ namespace sslv {
 ///
 /// A part of the connections is kept for trusted addresses: strangers never have all of them.
 ///
-/// What waits in memory until clients take it (answers, images, messages) is bounded too: all of strangers
-/// together, that of one address, and all of trusted addresses. When there is too much, who takes nothing for
-/// kSendPatience_s is closed, first of the address that has most; where nobody is so slow, the newest is not
-/// sent.
+/// What waits in memory for clients is bounded too: answers, images and messages until they are taken, bodies
+/// of requests until they have come. All of strangers together, that of one address, and all of trusted
+/// addresses have a limit. When there is too much, a client that moves no byte for kSendPatience_s is closed,
+/// first of the address that has most; for an address with much, kSendPatienceWithMany_s is enough unless it
+/// is a viewer. Where nobody is so slow, the newest is refused.
 ///
 /// Seats may be given back from any thread; everything else is for the socket's thread.
 class Connections {
@@ -57,21 +60,32 @@ class Connections {
   /// Null: none can go whose network has so many. `patience_s`: how long an answer may be on its way.
   Seat* most_dispensable(const std::function<bool(const Seat&)>& which, double patience_s,
                          std::size_t min_of_network) const;
-  std::size_t unsent_bytes(const std::function<bool(const Seat&)>& which) const;
-  /// Null: none of these has taken nothing for so long.
+  /// Null: none of these has moved nothing for so long.
   Seat* slowest(const std::function<bool(const Seat&)>& which, double patience_s,
                 std::size_t min_bytes_of_network) const;
   std::function<void()> leave(Seat& seat);  // returns what closes it, to be called without the mutex
+  void count_in(Seat& seat);
+  void count_out(Seat& seat);
+  void set_unsent_bytes(Seat& seat, std::size_t bytes);
+
+  /// `large_bytes`: that wait for seats with more than kAlwaysSentBytes.
+  struct Sums {
+    std::size_t seats = 0, large_bytes = 0;
+  };
+  using Groups = std::map<std::pair<std::string, bool>, Sums>;  // by network, and whether it is trusted
+  Sums& all_of(bool is_trusted) { return is_trusted ? trusted_ : strangers_; }
 
   const std::size_t max_;
   const Clock now_s_;
   std::atomic<std::uint64_t>& unsent_;
   mutable std::mutex mutex_;  // guards what follows and what the seats have
   std::list<Seat*> seats_;    // those in the same state for longest come first
+  Groups groups_;             // of these
+  Sums strangers_, trusted_;  // likewise
 };
 
 /// One connection's. Takes no room any more once it is gone or was told to close.
-class Connections::Seat {
+class Connections::Seat : public std::enable_shared_from_this<Connections::Seat> {
  public:
   Seat(Connections& connections, std::string network, bool is_trusted);
   ~Seat();
@@ -90,11 +104,11 @@ class Connections::Seat {
   /// Asks to stay open as a viewer. False when there are too many of these, with the reason in `problem`.
   bool stays(bool is_trusted, std::string& problem);
 
-  /// So many bytes are to wait in memory until the client takes them. False when that is more than before and
-  /// too much: nothing has changed then, and `problem` says so. May close other connections.
+  /// So many bytes are to wait in memory until the client takes them, or sends them. False when that is more
+  /// than before and too much: nothing has changed then, and `problem` says so. May close other connections.
   bool holds(std::size_t bytes, std::string& problem);
-  /// The client took something: it is not the slowest.
-  void was_taken_from();
+  /// The client took or sent some of these: it is not the slowest.
+  void makes_progress();
 
  private:
   friend class Connections;
@@ -107,9 +121,10 @@ class Connections::Seat {
   State state_ = State::kWaits;
   double since_s_;
   std::size_t unsent_bytes_ = 0;
-  double unsent_since_s_ = 0;  // the client has taken nothing
+  double unmoved_since_s_ = 0;  // the client has taken and sent nothing
   std::function<void()> close_;
   std::list<Seat*>::iterator place_;
+  Groups::iterator group_;
   bool is_counted_ = true;
 };
 

@@ -44,7 +44,9 @@ constexpr int kMaxLargeRequests = 2;                      // at once
 constexpr int kMaxSentFiles = 16;                         // at once: each holds a file open
 constexpr std::chrono::seconds kAnswerTimeout{60};
 constexpr std::chrono::seconds kDrainTimeout{2};
-constexpr std::size_t kPieceBytes = 128 * 1024;  // of a file that is sent
+constexpr std::size_t kPieceBytes = 128 * 1024;  // of a file that is sent, and of other answers
+/// More in the kernel would hide for seconds that a slow client takes something.
+constexpr int kMaxUnsentInKernel = 64 * 1024;
 
 std::string_view view(beast::string_view text) {
   return {text.data(), text.size()};
@@ -56,6 +58,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
               const HttpContext& context)
       : context_(context), connection_(std::move(connection)), seat_(seat), stream_(std::move(socket)) {
     remote_address_ = remote_address(stream_.socket());
+    limit_unsent_bytes(stream_.socket(), kMaxUnsentInKernel);
   }
 
   void start() {
@@ -121,12 +124,19 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
         return refuse(503, "other large files are being sent; try again in a moment");
       large_.emplace(context_.large_requests);
       stream_.expires_after(kLargeRequestTimeout);
+    } else if (std::string problem; !seat_.holds(body_size, problem)) {
+      return refuse(503, problem);
     }
     const std::size_t size = header_size + body_size;
     if (received_.size() >= size) return handle(size);
     received_.reserve(size);
-    asio::async_read(stream_, asio::dynamic_buffer(received_),
-                     asio::transfer_exactly(size - received_.size()),
+    const auto while_sent = [this, rest = size - received_.size()](beast::error_code read_error,
+                                                                   std::size_t count) -> std::size_t {
+      if (read_error) return 0;
+      seat_.makes_progress();
+      return rest - count;
+    };
+    asio::async_read(stream_, asio::dynamic_buffer(received_), while_sent,
                      [self = shared_from_this(), size](beast::error_code read_error, std::size_t) {
                        if (!read_error) self->handle(size);
                      });
@@ -184,6 +194,17 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
   void refuse(unsigned status, const std::string& text) { answer({refusal_text(status, text), false}); }
 
+  /// For asio::async_write(), whose handler keeps this alive: a client that takes something has time for the
+  /// rest.
+  auto while_taken() {
+    return [this](beast::error_code error, std::size_t) -> std::size_t {
+      if (error) return 0;
+      seat_.makes_progress();
+      stream_.expires_after(kAnswerTimeout);
+      return kPieceBytes;
+    };
+  }
+
   void answer(HttpAnswer answer) {
     answer_ = std::move(answer);
     large_.reset();
@@ -197,19 +218,19 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     if (!seat_.holds(unsent_bytes(), problem)) answer_ = {refusal_text(503, problem), false};
     if (answer_.file) sent_file_.emplace(context_.sent_files);
     if (!answer_.stream) seat_.sends();
-    stream_.expires_after(kAnswerTimeout);
     // What stands before a file goes with the head.
     const std::string_view before = answer_.file ? std::string_view(answer_.file->before) : "";
     const std::array<asio::const_buffer, 2> head{asio::buffer(answer_.bytes), asio::buffer(before)};
-    asio::async_write(stream_, head, [self = shared_from_this()](beast::error_code error, std::size_t) {
-      if (error) return;
-      self->answer_.bytes = {};
-      if (self->answer_.file) self->answer_.file->before = {};
-      self->seat_.holds(self->answer_.file ? kPieceBytes : 0, self->ignored_);
-      if (self->answer_.stream) return self->stream();
-      if (self->answer_.file) return self->send_file(0);
-      self->answer_.keep_alive ? self->wait() : self->finish();
-    });
+    asio::async_write(stream_, head, while_taken(),
+                      [self = shared_from_this()](beast::error_code error, std::size_t) {
+                        if (error) return;
+                        self->answer_.bytes = {};
+                        if (self->answer_.file) self->answer_.file->before = {};
+                        self->seat_.holds(self->answer_.file ? kPieceBytes : 0, self->ignored_);
+                        if (self->answer_.stream) return self->stream();
+                        if (self->answer_.file) return self->send_file(0);
+                        self->answer_.keep_alive ? self->wait() : self->finish();
+                      });
   }
 
   void stream() {
@@ -235,8 +256,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   }
 
   void send_after_file() {
-    stream_.expires_after(kAnswerTimeout);
-    asio::async_write(stream_, asio::buffer(answer_.file->after),
+    asio::async_write(stream_, asio::buffer(answer_.file->after), while_taken(),
                       [self = shared_from_this()](beast::error_code error, std::size_t) {
                         self->answer_.file.reset();
                         self->sent_file_.reset();
@@ -245,12 +265,9 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   }
 
   void send_piece(std::uint64_t offset, std::size_t size) {
-    stream_.expires_after(kAnswerTimeout);
-    asio::async_write(stream_, asio::buffer(piece_, size),
+    asio::async_write(stream_, asio::buffer(piece_, size), while_taken(),
                       [self = shared_from_this(), offset, size](beast::error_code error, std::size_t) {
-                        if (error) return;
-                        self->seat_.was_taken_from();
-                        self->send_file(offset + size);
+                        if (!error) self->send_file(offset + size);
                       });
   }
 

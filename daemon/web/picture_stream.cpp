@@ -91,7 +91,7 @@ class PictureStream : public std::enable_shared_from_this<PictureStream> {
     stream_.async_write_some(*unsent_,
                              [self = shared_from_this()](beast::error_code error, std::size_t size) {
                                if (error) return self->leave();
-                               self->seat_.was_taken_from();
+                               self->seat_.makes_progress();
                                self->unsent_->consume(size);
                                if (beast::buffer_bytes(*self->unsent_) > 0) return self->write();
                                self->message_.reset();

@@ -16,8 +16,9 @@
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/beast/core/basic_stream.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/core/rate_policy.hpp>
 #include <boost/beast/websocket/stream.hpp>
 #include <fmt/format.h>
 
@@ -62,6 +63,29 @@ struct AckParams {
   }
 };
 
+/// A policy of Beast for how fast a stream may send: as fast as it can. Beast tells it of every part of a
+/// message that the client took, and nobody else.
+class TellsProgress {
+ public:
+  /// Weak: a ping may be on its way when the viewer has gone.
+  explicit TellsProgress(std::weak_ptr<Connections::Seat> seat) : seat_(std::move(seat)) {}
+
+ private:
+  friend beast::rate_policy_access;
+  static constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
+  static std::size_t available_read_bytes() { return kNoLimit; }
+  static std::size_t available_write_bytes() { return kNoLimit; }
+  static void transfer_read_bytes(std::size_t) {}
+  void transfer_write_bytes(std::size_t size) {
+    const auto seat = size > 0 ? seat_.lock() : nullptr;
+    if (seat) seat->makes_progress();
+  }
+  static void on_timer() {}
+
+  std::weak_ptr<Connections::Seat> seat_;
+};
+using Stream = beast::basic_stream<asio::ip::tcp, asio::ip::tcp::socket::executor_type, TellsProgress>;
+
 template <class P>
 P read_message(const Json& json, const std::string& path) {
   P params;
@@ -89,7 +113,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
         connection_(std::move(connection)),
         seat_(seat),
         may_look_(std::move(may_look)),
-        stream_(std::move(socket)),
+        stream_(TellsProgress(seat.weak_from_this()), std::move(socket)),
         wanted_topics_(hub.topics_.size()) {}
 
   CameraFeed::ViewerId id() const { return id_; }
@@ -193,7 +217,6 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
                           if (error) return self->leave();
                           self->unsent_bytes_ -= self->writing_->size();
                           self->writing_.reset();
-                          self->seat_.was_taken_from();
                           std::string ignored;
                           self->seat_.holds(self->unsent_bytes_, ignored);
                           self->write();
@@ -256,7 +279,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   Connections::Seat& seat_;
   const MayLook may_look_;
   std::optional<ScopedCount> viewer_;  // once the handshake is done
-  beast::websocket::stream<beast::tcp_stream> stream_;
+  beast::websocket::stream<Stream> stream_;
   beast::flat_buffer incoming_;
   std::deque<Outgoing> outbox_;
   CameraFeed::Message writing_;   // null: no write is under way

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <tuple>
 #include <utility>
 
 #include <arpa/inet.h>
@@ -40,6 +41,11 @@ bool is_own_computer(const std::string& address) {
   in6_addr v6{};
   if (inet_pton(AF_INET6, address.c_str(), &v6) != 1) return false;
   return IN6_IS_ADDR_LOOPBACK(&v6) || (IN6_IS_ADDR_V4MAPPED(&v6) && v6.s6_addr[12] == kLoopback);
+}
+
+/// Of a network_of(): an IPv4 address's first three numbers. A computer can have many addresses of one.
+std::string subnet_of(const std::string& network) {
+  return network.substr(0, network.rfind('.'));
 }
 
 }  // namespace
@@ -187,25 +193,34 @@ void Access::remember(Role role, const std::string& address) {
 }
 
 void Access::make_room_for_session(Role role) {
-  std::map<std::string, std::size_t> of_network;
+  std::erase_if(sessions_, [&](const auto& one) { return is_over(one.second); });
+  std::map<std::string, std::size_t> of_network, of_subnet;
   std::size_t all = 0;
   for (const auto& [token, session] : sessions_) {
     if (session.role != role) continue;
     ++of_network[session.network];
+    ++of_subnet[subnet_of(session.network)];
     ++all;
   }
   if (all < kMaxSessions) return;
+  const double now_s = now_s_();
+  const auto rank = [&](const Session& session) {  // the highest leaves
+    const double idle_s = now_s - session.used_s;
+    return std::tuple(idle_s > kPresent_s, of_subnet[subnet_of(session.network)], of_network[session.network],
+                      idle_s);
+  };
   auto leaves = sessions_.end();
-  std::size_t most = 0;
   for (auto one = sessions_.begin(); one != sessions_.end(); ++one) {
-    const auto& [token, session] = *one;
-    if (session.role != role) continue;
-    const std::size_t count = of_network[session.network];
-    if (count < most || (count == most && session.used_s >= leaves->second.used_s)) continue;
-    leaves = one;
-    most = count;
+    if (one->second.role != role) continue;
+    if (leaves == sessions_.end() || rank(one->second) > rank(leaves->second)) leaves = one;
   }
   sessions_.erase(leaves);
+}
+
+bool Access::is_over(const Session& session) const {
+  const double now_s = now_s_();
+  return now_s - session.used_s > kIdle_s || now_s - session.opened_s > kLongest_s ||
+         session.hash != passwords_.hash(session.role);
 }
 
 std::string Access::open_session(Role role, const std::string& address) {
@@ -231,18 +246,15 @@ std::string Access::token_in(std::string_view cookies) const {
 std::optional<Role> Access::session_role(std::string_view cookies) {
   const std::string token = token_in(cookies);
   if (token.empty()) return std::nullopt;
-  const double now_s = now_s_();
   const std::lock_guard lock(mutex_);
   const auto found = sessions_.find(token);
   if (found == sessions_.end()) return std::nullopt;
-  Session& session = found->second;
-  if (now_s - session.used_s > kIdle_s || now_s - session.opened_s > kLongest_s ||
-      session.hash != passwords_.hash(session.role)) {
+  if (is_over(found->second)) {
     sessions_.erase(found);
     return std::nullopt;
   }
-  session.used_s = now_s;
-  return session.role;
+  found->second.used_s = now_s_();
+  return found->second.role;
 }
 
 }  // namespace sslv

@@ -31,9 +31,11 @@ class Access {
  public:
   using Clock = std::function<double()>;  // steady, s
   static constexpr double kIdle_s = 24 * 3600.0, kLongest_s = 7 * 24 * 3600.0;
-  /// Of each role. One that is too many ends the idlest of its own role, of the network that has most of
-  /// them: who opens many ends only his own.
+  /// Of each role. One that is too many ends one of its own role: if it can, one that was not used for
+  /// kPresent_s, which an open panel always was. Of these it is the idlest of the address that has most of
+  /// them, in the subnet that has most: who opens many ends only his own.
   static constexpr std::size_t kMaxSessions = 256;
+  static constexpr double kPresent_s = 60;
 
   /// `cookie`: its name; browsers do not tell the ports of a computer apart.
   Access(Passwords& passwords, std::string cookie, Clock now_s);
@@ -93,6 +95,7 @@ class Access {
   void take_try(Circle circle, const std::string& key);
   void remember(Role role, const std::string& address);
   void make_room_for_session(Role role);
+  bool is_over(const Session& session) const;
 
   Passwords& passwords_;
   const std::string cookie_;

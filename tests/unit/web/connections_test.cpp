@@ -179,6 +179,10 @@ TEST_F(ConnectionsTest, OneAnswerIsSentHoweverLargeItIs) {
   EXPECT_TRUE(one->seat->holds(100 * kMiB, problem_));
   EXPECT_FALSE(connect("192.0.2.1")->seat->holds(kMiB, problem_));
   EXPECT_TRUE(one->seat->holds(50 * kMiB, problem_)) << "some of it was taken";
+  const auto small = connect("192.0.2.2"), another = connect("192.0.2.2");
+  EXPECT_TRUE(small->seat->holds(Connections::kAlwaysSentBytes, problem_));
+  one->seat->holds(0, problem_);
+  EXPECT_TRUE(another->seat->holds(100 * kMiB, problem_)) << "beside a small one";
 }
 
 TEST_F(ConnectionsTest, WhatWaitsForAllHasALimit) {
@@ -199,7 +203,7 @@ TEST_F(ConnectionsTest, WhoTakesNothingMakesRoomForOthers) {
   EXPECT_FALSE(other->seat->holds(kMiB, problem_)) << "it may be a moment before an answer has left";
   now_s_ += Connections::kSendPatience_s - 1;
   for (const auto& one : slow) {
-    if (one != slow[3]) one->seat->was_taken_from();
+    if (one != slow[3]) one->seat->makes_progress();
   }
   now_s_ += 2;
   EXPECT_TRUE(other->seat->holds(kMiB, problem_));
@@ -210,13 +214,60 @@ TEST_F(ConnectionsTest, WhoTakesNothingMakesRoomForOthers) {
 
 TEST_F(ConnectionsTest, OfAnAddressWithMuchTheSlowestGoesSooner) {
   const auto greedy = connect("198.51.100.1");
-  ASSERT_TRUE(greedy->seat->stays(false, problem_));
   ASSERT_TRUE(greedy->seat->holds(7 * kMiB, problem_));
+  greedy->seat->sends();
   const auto next = connect("198.51.100.1");
   EXPECT_FALSE(next->seat->holds(2 * kMiB, problem_));
   now_s_ += 2 * Connections::kSendPatienceWithMany_s;
+  greedy->seat->makes_progress();
+  EXPECT_FALSE(next->seat->holds(2 * kMiB, problem_)) << "it is slow, but takes its answer";
+  now_s_ += 2 * Connections::kSendPatienceWithMany_s;
   EXPECT_TRUE(next->seat->holds(2 * kMiB, problem_));
-  EXPECT_TRUE(greedy->closed) << "also a viewer";
+  EXPECT_TRUE(greedy->closed);
+}
+
+TEST_F(ConnectionsTest, SlowViewersOfAnAddressStayAndSkipImages) {
+  std::vector<std::shared_ptr<Connection>> viewers;
+  for (int i = 0; i < 8; ++i) {
+    viewers.push_back(connect("198.51.100.1"));
+    ASSERT_TRUE(viewers.back()->seat->stays(false, problem_));
+    ASSERT_TRUE(viewers.back()->seat->holds(kMiB, problem_));
+  }
+  for (int second = 0; second < 60; ++second) {
+    now_s_ += 1;
+    for (const auto& one : viewers) {
+      if (one != viewers[3] || second % 4 == 0) one->seat->makes_progress();
+    }
+    EXPECT_FALSE(viewers[5]->seat->holds(2 * kMiB, problem_)) << "skipped";
+  }
+  EXPECT_EQ(closed(viewers), 0);
+  now_s_ += Connections::kSendPatience_s + 1;
+  EXPECT_TRUE(viewers[5]->seat->holds(2 * kMiB, problem_));
+  EXPECT_EQ(closed(viewers), 1) << "one that takes nothing";
+}
+
+TEST_F(ConnectionsTest, ARequestThatIsHandledWaitsForNoClient) {
+  const auto busy = connect("198.51.100.1");
+  ASSERT_TRUE(busy->seat->holds(7 * kMiB, problem_));
+  busy->seat->works();
+  now_s_ += 2 * Connections::kSendPatience_s;
+  const auto next = connect("198.51.100.1");
+  EXPECT_FALSE(next->seat->holds(2 * kMiB, problem_));
+  busy->seat->sends();
+  EXPECT_FALSE(next->seat->holds(2 * kMiB, problem_)) << "its answer has just begun";
+  EXPECT_FALSE(busy->closed);
+}
+
+TEST_F(ConnectionsTest, WhatWaitsIsCountedWhereTheClientBelongs) {
+  const auto one = connect("192.0.2.1");
+  ASSERT_TRUE(one->seat->holds(7 * kMiB, problem_));
+  ASSERT_TRUE(one->seat->stays(true, problem_));
+  const auto stranger = connect("192.0.2.1");
+  EXPECT_TRUE(stranger->seat->holds(7 * kMiB, problem_)) << "the other one is an admin's now";
+  const auto own = connect("127.0.0.1", true);
+  EXPECT_FALSE(own->seat->holds(18 * kMiB, problem_));
+  one->seat->holds(6 * kMiB, problem_);
+  EXPECT_TRUE(own->seat->holds(18 * kMiB, problem_));
 }
 
 }  // namespace

@@ -399,6 +399,24 @@ TEST_F(ServerTest, AnswersThatNobodyTakesHaveALimit) {
   }));
 }
 
+TEST_F(ServerTest, BodiesThatDoNotComeHaveALimit) {
+  constexpr int kClients = 40, kMostWaiting = static_cast<int>(Connections::kMaxUnsentBytes / kMaxBodyBytes);
+  std::vector<std::unique_ptr<Client>> half;
+  for (int i = 0; i < kClients; ++i) {
+    half.push_back(std::make_unique<Client>(server_.port()));
+    half.back()->send("PATCH /api/settings HTTP/1.1\r\nHost: test\r\nContent-Length: " +
+                      std::to_string(kMaxBodyBytes) + "\r\n\r\n[1");
+  }
+  EXPECT_TRUE(test::becomes([&] { return counters_.unsent >= kClients - kMostWaiting; })) << counters_.unsent;
+  Client monitoring(server_.port());
+  EXPECT_EQ(ask(monitoring, "GET", "/healthz").status, 200);
+  half.clear();
+  EXPECT_TRUE(test::becomes([&] { return counters_.connections == 1; }));
+  const std::string body = "[1" + std::string(kMaxBodyBytes - 3, ' ') + "]";
+  for (int i = 0; i < 2 * kMostWaiting; ++i)
+    ASSERT_EQ(ask(monitoring, "PATCH", "/api/settings", "", body).status, 200) << i;
+}
+
 TEST_F(ServerTest, ViewersThatTakeNothingLeaveRoomForOthers) {
   const Json large(std::string(400'000, 'x'));
   std::vector<std::unique_ptr<Viewer>> slow;

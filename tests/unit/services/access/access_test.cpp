@@ -110,6 +110,29 @@ TEST_F(AccessTest, ManySessionsOfViewersEndNeitherAnAdminsNorOtherViewers) {
   EXPECT_EQ(left + 1, static_cast<int>(Access::kMaxSessions));
 }
 
+TEST_F(AccessTest, ManyAddressesEndNoSessionOfAnOpenPanel) {
+  passwords_.set(Role::kAdmin, "correct horse");
+  passwords_.set(Role::kViewer, "battery staple");
+  std::vector<std::string> users, many;
+  const auto open = [&](const std::string& address) {
+    now_s_ += 2;  // tries come back
+    for (const std::string& one : users) EXPECT_EQ(access_.may(one), May::kLook) << address;
+    return cookie(access_.sign_in("battery staple", address));
+  };
+  for (int i = 0; i < 5; ++i) users.push_back(open("198.51.100.1"));  // behind one address, as a NAT has it
+  for (std::size_t i = 0; i <= Access::kMaxSessions; ++i)
+    many.push_back(open((i < 128 ? "198.51.100." : "198.51.101.") + std::to_string(2 + i % 128)));
+  EXPECT_EQ(access_.may(many.front()), May::kNothing);
+  // As many addresses, of one computer, whose sessions are all in use.
+  users = {open("192.0.2.1"), open("192.0.2.1")};
+  many.clear();
+  for (std::size_t i = 0; i <= Access::kMaxSessions; ++i) {
+    for (const std::string& one : many) access_.may(one);
+    many.push_back(open("203.0.113." + std::to_string(i % 250)));
+  }
+  EXPECT_EQ(access_.may(many.back()), May::kLook);
+}
+
 TEST_F(AccessTest, AnotherPasswordEndsTheSessionsOfThatRole) {
   passwords_.set(Role::kAdmin, "correct horse");
   passwords_.set(Role::kViewer, "battery staple");
