@@ -134,7 +134,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
                                                                    std::size_t count) -> std::size_t {
       if (read_error) return 0;
       seat_.makes_progress();
-      return rest - count;
+      return std::min(rest - count, kPieceBytes);  // as many are cleared for each piece that comes
     };
     asio::async_read(stream_, asio::dynamic_buffer(received_), while_sent,
                      [self = shared_from_this(), size](beast::error_code read_error, std::size_t) {

@@ -330,8 +330,8 @@ class AravisSource final : public Source {
     } while (guarded < wanted && Clock::now() < give_up);
     if (guarded >= wanted) return;
     log::warning(
-        "camera \"{}\": only {} of its {} sockets filter their packets, so whoever sends packets in its name "
-        "can end the service",
+        "camera \"{}\": only {} of its {} sockets filter their packets, so a packet that somebody forges "
+        "in its name can end the service",
         label_, guarded, wanted);
   }
 

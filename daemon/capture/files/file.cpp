@@ -130,9 +130,9 @@ Options with_told_layout(Options options, const std::vector<Item>& items) {
   const fs::path file = fs::path(raw->path).parent_path() / "frames.json";
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return options;
-  // Also in memory once it is parsed: enough for 100 000 frames.
-  constexpr std::size_t kMaxBytes = std::size_t{64} << 20U;
-  const bool is_small = fs::file_size(file, error) <= kMaxBytes && !error;
+  // Enough for 75 000 frames.
+  constexpr std::size_t kMaxFileBytes = std::size_t{16} << 20U, kMaxBytes = std::size_t{48} << 20U;
+  const bool is_small = fs::file_size(file, error) <= kMaxFileBytes && !error;
   std::ifstream in(file, std::ios::binary);
   const std::string text = is_small ? std::string(std::istreambuf_iterator<char>(in), {}) : std::string();
   const auto pixels = [](const Json& value) {

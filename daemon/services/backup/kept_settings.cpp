@@ -41,9 +41,11 @@ KeptSettings read_kept_settings(const std::string& text) {
   const auto refuse = [](const std::string& why) {
     throw SettingsError(fmt::format("{}: {}", kSettingsName, why));
   };
+  // Less than of other JSON: settings are copied twice while they are checked.
+  constexpr std::size_t kMaxBytes = 12 * 1024 * 1024;
   KeptSettings out;
   try {
-    Json json = parse_bounded_json(text);
+    Json json = parse_bounded_json(text, kMaxBytes);
     version_of(json, settings_migrations());
     const bool is_good = json.is_object() && json.size() == 4 && json.contains(kVersionKey) &&
                          json.contains("revision") && json.contains("settings") && json.contains("history");

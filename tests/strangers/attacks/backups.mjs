@@ -78,7 +78,7 @@ export const FORGED = {
   'many small files': () => gzipSync(tar(Array.from({ length: 20_000 }, (_, i) => [`${i}`, Buffer.alloc(0)]))),
   'settings of lists': () => backup([['settings.json', `[${repeated('[],', 8 * MIB)}0]`]]),
   'settings of empty texts': () => backup([['settings.json', `{"version":2,"revision":1,"history":[],"settings":{"site":[${repeated('"",', 8 * MIB)}""]}}`]]),
-  'settings that just fit': () => backup([['settings.json', `{"version":2,"revision":1,"history":[],"settings":{"site":[${repeated('[],', 780_000)}0]}}`]]),
+  'settings that just fit': () => backup([['settings.json', `{"version":2,"revision":1,"history":[],"settings":{"site":[${repeated('[],', 580_000)}0]}}`]]),
   'profiles of nothing': () => backup([settings, ['profiles.json', `{"profiles":[${repeated('{},', 8 * MIB)}{}]}`]]),
   'profiles that just fit': () => backup([settings, ['profiles.json', `{"profiles":[${repeated('{},', 780_000)}{}]}`]]),
   'calibrations of numbers': () => backup([settings, ['calibrations.json', `[${repeated('0,', 8 * MIB)}0]`]]),

@@ -287,7 +287,7 @@ TEST_F(Files, AFileBesideRawFramesThatTellsNothingIsRefusedByName) {
   while (lists.size() < 5'000'000) lists += ",[]";
   write("frames.json", lists + "]");
   EXPECT_EQ(refusal(folder_.string()), path("frames.json") +
-                                           ": JSON that takes more than 64 MiB of memory; set pixel_format, "
+                                           ": JSON that takes more than 48 MiB of memory; set pixel_format, "
                                            "width and height for the camera");
   // Nor does anything else that has its name.
   std::filesystem::remove(path("frames.json"));
