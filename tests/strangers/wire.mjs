@@ -3,7 +3,7 @@
 
 const varint = (value) => {
   const out = [];
-  let left = BigInt.asUintN(64, BigInt(value));
+  let left = BigInt.asUintN(64, BigInt(Number.isFinite(value) ? Math.trunc(value) : 0));
   while (left > 127n) {
     out.push(Number(left & 127n) | 128);
     left >>= 7n;
@@ -11,7 +11,7 @@ const varint = (value) => {
   return Buffer.from([...out, Number(left)]);
 };
 const tag = (number, wire) => varint(number * 8 + wire);
-export const uint = (number, value) => Buffer.concat([tag(number, 0), varint(Math.trunc(value))]);
+export const uint = (number, value) => Buffer.concat([tag(number, 0), varint(value)]);
 export const bytes = (number, value) => Buffer.concat([tag(number, 2), varint(value.length), value]);
 export const text = (number, value) => bytes(number, Buffer.from(value));
 export const float = (number, value) => {

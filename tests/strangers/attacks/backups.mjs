@@ -98,8 +98,8 @@ export default {
     while (!isOver()) {
       const file = random.pick(Object.values(FORGED))(random);
       const body = random.below(4) ? file : random.mutated(file);
-      const { status } = await ask('POST', 'api/backup/check', { body, cookie: admin });
-      check([413, 422, 503].includes(status), `a forged backup is answered with ${status}`);
+      const { status, text } = await ask('POST', 'api/backup/check', { body, cookie: admin });
+      check([413, 422, 503].includes(status), `a forged backup is answered with ${status}: ${text.slice(0, 200)}`);
       await pause(200);
     }
   },

@@ -10,7 +10,7 @@ function portsOf(pid) {
     } catch { /* closed meanwhile */ }
   }
   const rows = readFileSync('/proc/net/udp', 'latin1').split('\n').slice(1).map((row) => row.trim().split(/\s+/));
-  return [...new Set(rows.filter((row) => own.has(row[9])).map(([, local]) => parseInt(local.split(':')[1], 16)))];
+  return [...new Set(rows.filter((row) => row.length > 9 && own.has(row[9])).map(([, local]) => parseInt(local.split(':')[1], 16)))];
 }
 
 export default {

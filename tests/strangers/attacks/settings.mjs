@@ -18,8 +18,8 @@ export default {
     const { admin } = await ask.cookies();
     while (!isOver()) {
       const body = random.pick(BODIES)(random);
-      const { status } = await ask('POST', 'api/settings/check', { body, cookie: admin });
-      check([400, 422].includes(status), `a bad patch is answered with ${status}`);
+      const { status, text } = await ask('POST', 'api/settings/check', { body, cookie: admin });
+      check([400, 422].includes(status), `a bad patch is answered with ${status}: ${text.slice(0, 200)}`);
       await ask('POST', 'api/settings/check', { body, outside: true });
       await pause(100);
     }
