@@ -21,7 +21,7 @@ namespace sslv::test {
 /// The highest byte first, as all of GigE Vision.
 inline std::string big_endian(std::uint64_t number, int bytes) {
   std::string out;
-  for (int i = bytes - 1; i >= 0; --i) out += static_cast<char>(number >> (8 * i) & 0xff);
+  for (int i = bytes - 1; i >= 0; --i) out += i < 8 ? static_cast<char>(number >> (8 * i) & 0xff) : '\0';
   return out;
 }
 
