@@ -111,10 +111,13 @@ struct ColorParts {
 };
 
 struct RecordingParts {
-  RecordingParts(Kept& kept, SettingsService& settings, NetworkParts& network, CameraParts& cameras,
-                 ColorParts& colors, std::vector<KeptFile> left)
+  RecordingParts(Kept& kept, SettingsService& settings, NetworkParts& network, FieldParts& field,
+                 CameraParts& cameras, ColorParts& colors, std::vector<KeptFile> left)
       : files(kept.folder.path() / RecordingFiles::kFolderName),
-        service(settings.config(), files, network.service.referee()),
+        service(settings.config(), files, network.service.referee(),
+                [&network, &field](const auto& sender) {
+                  return network.multicast.is_own(sender) || field.service.is_own(sender);
+                }),
         clips(settings.config(), files, cameras.running, network.service.referee(), std::move(left)),
         replay(settings.config(), files, cameras.running,
                [&colors](int camera_id) { return colors.learning.learnt_table(camera_id); }) {}
@@ -143,7 +146,7 @@ struct Daemon::Parts {
         colors(kept, settings, network, cameras),
         sources(kept.folder, settings, cameras.running, file_folders(options)),
         verdict(settings.config(), cameras.running, network.service.referee()),
-        recording(kept, settings, network, cameras, colors, std::move(options.left)),
+        recording(kept, settings, network, field, cameras, colors, std::move(options.left)),
         backup(kept.folder, settings, kept.passwords, kept.profiles, {&kept.tables, &calibration.records}),
         status(options.state_folder, cameras.running, web_counters,
                [this] { return network.service.missing(); }) {

@@ -231,10 +231,14 @@ std::string MulticastSender::error_text(const Words& words) const {
 bool MulticastSender::is_own(const udp::endpoint& sender) const {
   const std::uint32_t ports = own_ports_;
   if (sender.port() != (ports & 0xFFFF) && sender.port() != ports >> 16) return false;
+  const std::uint32_t address = sender.address().is_v4() ? sender.address().to_v4().to_uint() : 0;
+  if (address != 0 && address == own_address_) return true;
   const std::vector<NetworkCard> cards = network_cards();
-  return std::any_of(cards.begin(), cards.end(), [&](const NetworkCard& card) {
+  const bool is_own = std::any_of(cards.begin(), cards.end(), [&](const NetworkCard& card) {
     return std::find(card.addresses.begin(), card.addresses.end(), sender.address()) != card.addresses.end();
   });
+  if (is_own) own_address_ = address;
+  return is_own;
 }
 
 MulticastStatus MulticastSender::status() const {

@@ -87,7 +87,7 @@ class MulticastSender {
   bool send(std::span<const std::byte> packet) noexcept;
 
   /// Whether a packet with this sender's address came from here, also when the socket was reopened since.
-  /// Asks the system for this computer's addresses: not meant for every packet.
+  /// Asks the system for this computer's addresses only where the last own packet came from another one.
   bool is_own(const boost::asio::ip::udp::endpoint& sender) const;
 
   /// Does not wait for a socket being opened.
@@ -137,6 +137,7 @@ class MulticastSender {
   // Local ports of the socket and, in the upper half, of the one before it, whose packets may be on their
   // way.
   std::atomic<std::uint32_t> own_ports_{0};
+  mutable std::atomic<std::uint32_t> own_address_{0};  // that is_own() found last
 
   std::jthread watcher_;  // last, so that it ends before what it uses
 };

@@ -46,8 +46,7 @@ void OtherVisions::listen(const GroupAddress& where) {
 }
 
 void OtherVisions::receive(std::span<const std::byte> datagram, const udp::endpoint& sender, double now_s) {
-  if (sender == own_ || is_own_(sender)) {
-    own_ = sender;
+  if (is_own_(sender)) {
     on_own_(datagram, now_s);
     return;
   }

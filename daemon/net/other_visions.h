@@ -87,7 +87,6 @@ class OtherVisions {
   const IsOwn is_own_;
   const OnOwn on_own_;
   const OnOther on_other_;
-  boost::asio::ip::udp::endpoint own_;  // of the thread alone: who was found to be this daemon last
   std::optional<GroupAddress> where_;
   mutable std::mutex mutex_;  // guards the three below
   std::set<std::string> named_;

@@ -71,7 +71,8 @@ struct RecordingSettings {
                           Choice<MatchLogs>{"by_hand", MatchLogs::kByHand}},
                "whether the game controller starts and ends match logs, or somebody does with a button"),
         number("quota_mb", &R::quota_mb, 10, 10'000'000, "MB",
-               "recordings may take so much of the disk; the oldest go first, but not those that are pinned"),
+               "recordings may take so much of the disk; the oldest go first, but not those that are pinned, "
+               "nor the newest match log, which may exceed it"),
         number("keep_free_mb", &R::keep_free_mb, 0, 10'000'000, "MB",
                "so much of the disk stays free; recording stops before"),
         group("last_seconds", &R::last_seconds, "the cameras' newest images, in memory"),

@@ -35,6 +35,8 @@ class FieldService final : public Service, public Topic {
   /// What another computer's vision says, and whether the settings name that computer, at a monotonic time.
   /// From the thread that listens.
   void hear(const VisionMessage& message, const std::string& address, bool is_named, double now_s);
+  /// Whether tracks leave from there. From any thread.
+  bool is_own(const boost::asio::ip::udp::endpoint& sender) const { return sender_.is_own(sender); }
 
   // Topic
   const char* topic_name() const override { return "field"; }

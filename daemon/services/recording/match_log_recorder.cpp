@@ -19,8 +19,9 @@ std::int64_t now_ns() {
 
 }  // namespace
 
-MatchLogRecorder::MatchLogRecorder()
-    : thread_([this](const std::stop_token& stop) { keep_writing(stop); }),
+MatchLogRecorder::MatchLogRecorder(IsOurs is_ours)
+    : is_ours_(std::move(is_ours)),
+      thread_([this](const std::stop_token& stop) { keep_writing(stop); }),
       vision_(*this, "log vision", LoggedMessage::kVision2014, kVisionShare_bytes_per_s),
       tracker_(*this, "log tracker", LoggedMessage::kTracker2020, kTrackerShare_bytes_per_s),
       referee_(*this, "log referee", LoggedMessage::kReferee, kRefereeShare_bytes_per_s) {}
@@ -49,7 +50,7 @@ void MatchLogRecorder::begin(const std::filesystem::path& file) {
     const std::lock_guard lock(mutex_);
     status_ = {.is_recording = true, .problem = {}};
     waiting_.clear();
-    ends_ = false;
+    ends_ = cuts_strangers_ = false;
     writer_ = std::move(writer);
   }
   changed_.notify_all();
@@ -62,6 +63,11 @@ void MatchLogRecorder::pause(bool is_paused) {
   if (is_listening_ == !is_paused || !status().is_recording) return;
   is_listening_ = !is_paused;
   listen_now();
+}
+
+void MatchLogRecorder::cut_strangers(bool cuts) {
+  const std::lock_guard lock(mutex_);
+  cuts_strangers_ = cuts;
 }
 
 void MatchLogRecorder::end() {
@@ -81,10 +87,12 @@ MatchLogRecorder::Status MatchLogRecorder::status() const {
   return status_;
 }
 
-void MatchLogRecorder::take(Group& group, std::uint32_t sender, std::span<const std::byte> datagram) {
+void MatchLogRecorder::take(Group& group, const boost::asio::ip::udp::endpoint& sender,
+                            std::span<const std::byte> datagram) {
   // In this order: what is refused takes no share from what is the league's.
-  const bool is_good =
-      is_league_message(group.type, datagram) && group.share.take(sender, datagram.size(), steady_s());
+  const bool is_good = is_league_message(group.type, datagram) &&
+                       group.share.take(sender.address().to_v4().to_uint(), datagram.size(), steady_s());
+  const bool is_ours = is_good && is_ours_(group.type, sender);
   const std::lock_guard lock(mutex_);
   const std::int64_t time_ns = now_ns();  // with the lock, so that times stand in their order
   if (!status_.is_recording) return;
@@ -92,10 +100,16 @@ void MatchLogRecorder::take(Group& group, std::uint32_t sender, std::span<const 
     ++status_.refused;
     return;
   }
+  const std::uint64_t bytes = datagram.size() + kMessageHeaderBytes;
+  if (!is_ours && cuts_strangers_ && status_.strangers_bytes + bytes > status_.ours_bytes) {
+    ++status_.cut;
+    return;
+  }
   if (waiting_.bytes.size() + datagram.size() > kMaxWaitingBytes) {
     ++status_.lost;
     return;
   }
+  (is_ours ? status_.ours_bytes : status_.strangers_bytes) += bytes;
   waiting_.messages.push_back({time_ns, group.type, static_cast<std::uint32_t>(datagram.size())});
   waiting_.bytes.insert(waiting_.bytes.end(), datagram.begin(), datagram.end());
   ++(group.type == LoggedMessage::kVision2014 ? status_.vision

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -41,10 +42,16 @@ class MatchLogRecorder {
     std::uint64_t bytes = 0, vision = 0, referee = 0, tracked = 0;
     std::uint64_t lost = 0;     // found no room
     std::uint64_t refused = 0;  // were none of the league's messages, or more than a field sends
-    std::string problem;        // why it ended early; empty: it did not
+    std::uint64_t cut = 0;      // of strangers, when there was little room
+    std::uint64_t ours_bytes = 0, strangers_bytes = 0;  // taken, before they are packed
+    std::string problem;                                // why it ended early; empty: it did not
   };
 
-  MatchLogRecorder();
+  /// Whether messages of that type from there are the field's own; otherwise a stranger sends them. Called
+  /// from the threads that listen.
+  using IsOurs = std::function<bool(std::int32_t type, const boost::asio::ip::udp::endpoint& sender)>;
+
+  explicit MatchLogRecorder(IsOurs is_ours);
   ~MatchLogRecorder();
 
   /// Where to listen from now on.
@@ -54,6 +61,9 @@ class MatchLogRecorder {
   void begin(const std::filesystem::path& file);
   /// Nothing is taken in while it is paused.
   void pause(bool is_paused);
+  /// There is little room: strangers' messages are taken only as far as there are no more of them than of
+  /// ours, in bytes. Until begin().
+  void cut_strangers(bool cuts);
   /// When it returns, the file is complete; or problem() says why not.
   void end();
 
@@ -76,11 +86,12 @@ class MatchLogRecorder {
   };
 
   struct Group;
-  void take(Group& group, std::uint32_t sender, std::span<const std::byte> datagram);
+  void take(Group& group, const boost::asio::ip::udp::endpoint& sender, std::span<const std::byte> datagram);
   void listen_now();  // with control_mutex_ held
   void keep_writing(const std::stop_token& stop);
   bool write(const Waiting& some);  // false: it cannot be written on
 
+  const IsOurs is_ours_;
   std::mutex control_mutex_;  // for begin(), pause(), end() and listen(), one at a time
   MatchLogGroups groups_;
   bool is_listening_ = false;
@@ -90,6 +101,7 @@ class MatchLogRecorder {
   Status status_;
   Waiting waiting_;
   bool ends_ = false;
+  bool cuts_strangers_ = false;
   std::unique_ptr<MatchLogWriter> writer_;  // given to the thread while it records
 
   std::jthread thread_;
@@ -98,7 +110,7 @@ class MatchLogRecorder {
         : type(its_type),
           share(bytes_per_s),
           receiver(thread_name, [this, &recorder](auto datagram, const auto& sender) {
-            recorder.take(*this, sender.address().to_v4().to_uint(), datagram);
+            recorder.take(*this, sender, datagram);
           }) {}
     const std::int32_t type;
     LeagueShare share;  // the receiver's thread's

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxName = 200;
 constexpr int kMaxOfOneName = 1000;
-/// Of the quota and of the free disk, that clips leave to match logs.
+/// Of the quota and of the free disk, that clips leave to match logs, and strangers to what is ours.
 constexpr int kReserve_mb = 200;
 /// Between two tries to read a recording that cannot be read.
 constexpr double kFirstRetry_s = 10, kLastRetry_s = 600;
@@ -195,10 +195,15 @@ DiskUse RecordingFiles::disk_use() const {
   return use;
 }
 
-RecordingFiles::Removables RecordingFiles::removable(RoomFor whom, std::uint64_t most_of_a_log) const {
+RecordingFiles::Removables RecordingFiles::removable(RoomFor whom, std::uint64_t most) const {
   // By when they were written, not by their names: others put recordings here too, and a clock may have been
   // wrong.
   Removables out;
+  std::pair<std::string, double> counted;
+  {
+    const std::lock_guard lock(mutex_);
+    counted = {counted_log_, counted_share_};
+  }
   fs::file_time_type newest_log = fs::file_time_type::min();
   for (const std::string& name : names()) {
     std::error_code error;
@@ -207,7 +212,9 @@ RecordingFiles::Removables RecordingFiles::removable(RoomFor whom, std::uint64_t
     const std::uint64_t bytes = size_of(path) + size_of(index_file_of(path));
     if (!is_clip(path) && written > newest_log) {
       newest_log = written;
-      out.newest_log_bytes = bytes;
+      const double share = name == counted.first ? counted.second : 1;
+      out.uncounted_bytes =
+          bytes - std::min(most, static_cast<std::uint64_t>(share * static_cast<double>(bytes)));
     }
     if (!is_open(name) && !fs::exists(pin_of(path), error))
       out.all.push_back({written, name, bytes, is_clip(path)});
@@ -216,27 +223,32 @@ RecordingFiles::Removables RecordingFiles::removable(RoomFor whom, std::uint64_t
     return !one.is_clip && (whom == RoomFor::kOtherClip || one.written == newest_log);
   });
   std::ranges::sort(out.all, {}, [&](const Removable& one) {
-    const bool is_late = !one.is_clip && one.bytes <= most_of_a_log;
-    return std::tuple(is_late, one.is_clip, one.written, one.name);
+    return std::tuple(one.bytes <= most, !one.is_clip, one.written, one.name);
   });
   return out;
 }
 
-std::string RecordingFiles::make_room(const RecordingSettings& settings, RoomFor whom, EventQueue& events,
-                                      std::uint64_t wanted_bytes) {
+void RecordingFiles::count(const std::string& log, double share) {
+  const std::lock_guard lock(mutex_);
+  counted_log_ = log;
+  counted_share_ = share;
+}
+
+Room RecordingFiles::make_room(const RecordingSettings& settings, RoomFor whom, EventQueue& events,
+                               std::uint64_t wanted_bytes) {
   const std::lock_guard one_at_a_time(room_mutex_);
   // A match log must never end because a clip took the last of the room; where they have little room anyway,
   // little of it is held back.
-  const int reserve_mb = whom == RoomFor::kMatchLog ? 0 : std::min(kReserve_mb, settings.quota_mb / 4);
+  const int logs_reserve_mb = std::min(kReserve_mb, settings.quota_mb / 4);
+  const int reserve_mb = whom == RoomFor::kMatchLog ? 0 : logs_reserve_mb;
   const std::uint64_t quota = static_cast<std::uint64_t>(settings.quota_mb - reserve_mb) * kMb;
   const std::uint64_t keep_free =
       (static_cast<std::uint64_t>(settings.keep_free_mb) + static_cast<std::uint64_t>(reserve_mb)) * kMb;
-  const std::uint64_t most_of_a_log = static_cast<std::uint64_t>(settings.quota_mb) * kMb / 2;
+  const std::uint64_t most = static_cast<std::uint64_t>(settings.quota_mb) * kMb / 2;
   const DiskUse use = disk_use();
-  const Removables removables = removable(whom, most_of_a_log);
+  const Removables removables = removable(whom, most);
   const std::uint64_t takes = use.used_bytes + wanted_bytes;
-  const std::uint64_t counted =
-      takes - (removables.newest_log_bytes - std::min(removables.newest_log_bytes, most_of_a_log));
+  const std::uint64_t counted = takes - std::min(takes, removables.uncounted_bytes);
   std::uint64_t gained = 0;
   std::vector<std::string> goes;
   for (const Removable& one : removables.all) {
@@ -248,12 +260,13 @@ std::string RecordingFiles::make_room(const RecordingSettings& settings, RoomFor
     gained = 0;
     goes.clear();
   }
-  std::string problem;
+  Room room{.is_scarce = takes - gained + static_cast<std::uint64_t>(logs_reserve_mb) * kMb >
+                         static_cast<std::uint64_t>(settings.quota_mb) * kMb};
   if (takes - gained > quota)
-    problem = fmt::format(
+    room.problem = fmt::format(
         "recordings {} {} MB, and may take {} MB (/recording/quota_mb); no more of them can be removed",
         wanted_bytes > 0 ? "would take" : "take", takes / kMb, quota / kMb);
-  if (!problem.empty() && whom != RoomFor::kMatchLog) throw StorageError(problem);
+  if (!room.problem.empty() && whom != RoomFor::kMatchLog) throw StorageError(room.problem);
   if (use.free_bytes + gained < keep_free + wanted_bytes)
     throw StorageError(
         fmt::format("only {} MB of the disk are free, of which recordings leave {} MB "
@@ -265,7 +278,7 @@ std::string RecordingFiles::make_room(const RecordingSettings& settings, RoomFor
     events.add(
         {.id = "recording_removed", .title = fmt::format("Recording {} was removed to make room", name)});
   }
-  return problem;
+  return room;
 }
 
 /// What stands beside a recording goes with it, also when somebody removed only that.

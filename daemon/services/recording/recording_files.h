@@ -52,13 +52,19 @@ struct DiskUse {
 };
 
 /// Whom room is made for. Clips go before match logs, and of either what was written longest ago first. What
-/// is pinned or being written stays, and so does the newest match log. Strangers may have filled a log of
-/// more than half the quota: nothing goes for what it has beyond that, and it goes first once there is a
-/// newer one.
+/// is pinned or being written stays, and so does the newest match log. Strangers may have filled that:
+/// nothing goes for what it has beyond its counted share and half the quota, and a log of more than that
+/// half goes first once there is a newer one.
 enum class RoomFor {
   kMatchLog,    // it may exceed the quota where nothing can go for it
   kWantedClip,  // by a person, or after a crash
   kOtherClip,   // all match logs stay
+};
+
+/// What make_room() found.
+struct Room {
+  std::string problem{};   // why a match log exceeds the quota; empty: it does not
+  bool is_scarce = false;  // strangers must take no more: the rest is for what is ours
 };
 
 /// The folder with recordings. A match log is NAME.log.gz or NAME.log, a clip NAME.clip; beside it may stand
@@ -93,10 +99,12 @@ class RecordingFiles {
 
   DiskUse disk_use() const;
   /// Removes recordings until one of so many bytes more has room, and tells of each; nothing where that would
-  /// not be enough. Throws StorageError where a clip would exceed the quota, or the disk must stay free;
-  /// returns why a match log would exceed the quota, empty when it would not.
-  std::string make_room(const RecordingSettings& settings, RoomFor whom, EventQueue& events,
-                        std::uint64_t wanted_bytes = 0);
+  /// not be enough. Throws StorageError where a clip would exceed the quota, or the disk must stay free.
+  Room make_room(const RecordingSettings& settings, RoomFor whom, EventQueue& events,
+                 std::uint64_t wanted_bytes = 0);
+
+  /// From now on room is made for no more than this share, 0 to 1, of this log while it is the newest.
+  void count(const std::string& log, double share);
 
   /// Makes logs whole that were not finished, and indexes that are missing. May take long. What fails is
   /// tried again, less and less often. `now_s`: on a steady clock.
@@ -119,10 +127,10 @@ class RecordingFiles {
     bool is_clip = false;
   };
   struct Removables {
-    std::vector<Removable> all;          // in the order in which they go
-    std::uint64_t newest_log_bytes = 0;  // which is none of them
+    std::vector<Removable> all;         // in the order in which they go
+    std::uint64_t uncounted_bytes = 0;  // of the newest log, which is none of them
   };
-  Removables removable(RoomFor whom, std::uint64_t most_of_a_log) const;
+  Removables removable(RoomFor whom, std::uint64_t most) const;
   std::vector<std::string> names() const;
   bool is_open(const std::string& name) const;
   void look_at_log(const std::filesystem::path& path, Known& now, const std::stop_token& stop) const;
@@ -130,9 +138,11 @@ class RecordingFiles {
 
   const std::filesystem::path folder_;
   std::mutex room_mutex_;             // room is made for one at a time
-  mutable std::mutex mutex_;          // guards the next two; not held while a file is read
+  mutable std::mutex mutex_;          // guards the next ones; not held while a file is read
   std::set<std::string> open_names_;  // of those that are written
   std::map<std::string, Known> known_;
+  std::string counted_log_;
+  double counted_share_ = 1;
 };
 
 /// Whether a client may name such a recording: nothing but a file of the folder.

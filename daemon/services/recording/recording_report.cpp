@@ -54,6 +54,14 @@ void report_recording(const RecordingFacts& facts, HealthReport& report) {
              facts.refused),
          "Find the program that sends them, and take it off the field's network.");
   }
+  if (facts.cut > kStrays) {
+    warn("recording_cut",
+         fmt::format(
+             "The match log leaves out {} messages of computers that the settings do not name: there is "
+             "little room left for recordings",
+             facts.cut),
+         "Delete or download recordings, or name the computers (Settings, field, other_computers).");
+  }
   Check check{"recording", "Match log", CheckState::kPass, kNoFigure, "", ""};
   if (facts.is_recording) {
     check.value = fmt::format("{:.1f}", static_cast<double>(facts.bytes) * 1e-6);

@@ -15,6 +15,7 @@ struct RecordingFacts {
   std::uint64_t bytes = 0;      // of the log that is recorded
   std::uint64_t lost = 0;       // messages that it lacks
   std::uint64_t refused = 0;    // datagrams that were none of the league's, or more than a field sends
+  std::uint64_t cut = 0;        // of strangers, for lack of room
   std::string problem;          // why the last one ended early or could not begin
   std::string no_room_problem;  // why none could begin now
   std::string quota_problem;    // why recordings take more than they may

@@ -39,6 +39,14 @@ MatchLogGroups match_log_groups(const Config& config) {
   return groups;
 }
 
+/// Of a log's bytes: strangers make no more room go than what is ours. All, where nothing is ours.
+double counted_share(const MatchLogRecorder::Status& status) {
+  if (status.ours_bytes == 0) return 1;
+  const auto ours = static_cast<double>(status.ours_bytes),
+             strangers = static_cast<double>(status.strangers_bytes);
+  return (ours + std::min(ours, strangers)) / (ours + strangers);
+}
+
 /// Does it now and at such intervals until it is told to stop.
 template <class Act>
 void repeat(std::chrono::milliseconds interval, const std::stop_token& stop, Act act) {
@@ -81,16 +89,26 @@ std::string name_by_teams(const std::array<std::string, 2>& teams) {
 }  // namespace
 
 RecordingService::RecordingService(const Snapshot<Config>& config, RecordingFiles& files,
-                                   const RefereeListener& referee)
+                                   const RefereeListener& referee, IsOwn is_own)
     : config_(config),
       referee_(referee),
       files_(files),
+      is_own_(std::move(is_own)),
+      recorder_([this](std::int32_t type, const auto& sender) { return is_ours(type, sender); }),
       keeper_([this](const std::stop_token& stop) {
         // Not an idle one: others wait for the lock that it takes now and then.
         become_background_thread("log index", 19);
         repeat(kFilesInterval, stop, [&] { files_.look_after(stop, steady_s()); });
       }),
       thread_([this](const std::stop_token& stop) { look(stop); }) {}
+
+bool RecordingService::is_ours(std::int32_t type, const boost::asio::ip::udp::endpoint& sender) const {
+  const std::string address = sender.address().to_string();
+  if (type == LoggedMessage::kReferee) return referee_.status(steady_s()).followed.address == address;
+  const auto config = config_.load();
+  const auto& named = config->field.other_computers;
+  return std::ranges::find(named, address) != named.end() || is_own_(sender);
+}
 
 RecordingService::Recording RecordingService::recording() const {
   const std::lock_guard lock(mutex_);
@@ -168,8 +186,12 @@ void RecordingService::follow_game_controller() {
 void RecordingService::check_disk() {
   const std::lock_guard control(control_mutex_);
   std::string problem, quota_problem;
+  if (const Recording now = recording(); now.started_by != StartedBy::kNobody)
+    files_.count(now.name(), counted_share(recorder_.status()));
   try {
-    quota_problem = files_.make_room(config_.load()->recording, RoomFor::kMatchLog, events_);
+    Room room = files_.make_room(config_.load()->recording, RoomFor::kMatchLog, events_);
+    recorder_.cut_strangers(room.is_scarce);
+    quota_problem = std::move(room.problem);
   } catch (const StorageError& error) {
     problem = error.what();
     if (recording().started_by != StartedBy::kNobody) {
@@ -208,8 +230,9 @@ void RecordingService::end(const std::string& problem) {
   } catch (const StorageError& error) {
     log::warning("{}", error.what());  // it is looked at again, and is whole
   }
-  log::info("match log {} ends: {} messages, {} bytes, {} lost, {} refused", before.name(),
-            status.vision + status.referee + status.tracked, status.bytes, status.lost, status.refused);
+  log::info("match log {} ends: {} messages, {} bytes, {} lost, {} refused, {} left out for lack of room",
+            before.name(), status.vision + status.referee + status.tracked, status.bytes, status.lost,
+            status.refused, status.cut);
   events_.add({.id = "recording_ended", .title = fmt::format("Match log {} ended", before.name())});
   const std::string& why = problem.empty() ? status.problem : problem;
   if (!why.empty()) leave_match_out(kEndedEarly);
@@ -259,7 +282,7 @@ Json RecordingService::to_json() const {
         {"messages", is_recording ? messages_json(status.vision, status.referee, status.tracked)
                                   : messages_json(0, 0, 0)},
         {"lost", is_recording ? status.lost : 0},
-        {"refused", is_recording ? status.refused : 0},
+        {"refused", is_recording ? status.refused + status.cut : 0},
         {"error", is_recording || !now.problem.empty() ? now.problem : left_out}}},
       {"disk",
        {{"used_bytes", disk.used_bytes},
@@ -348,6 +371,7 @@ void RecordingService::report(HealthReport& report) const {
     facts.bytes = status.bytes;
     facts.lost = status.lost;
     facts.refused = status.refused;
+    facts.cut = status.cut;
   }
   report_recording(facts, report);
 }
@@ -358,8 +382,9 @@ void RecordingService::write_metrics(MetricsText& out) const {
   out.begin("sslv_match_log_lost_messages", "gauge", "Messages that the match log lacks.");
   out.add({}, recorder_.status().lost);
   out.begin("sslv_match_log_refused_messages", "gauge",
-            "Datagrams that the match log leaves out: none of the league's, or more than a field sends.");
-  out.add({}, recorder_.status().refused);
+            "Datagrams that the match log leaves out: none of the league's, more than a field sends, or of "
+            "strangers when there is little room.");
+  out.add({}, recorder_.status().refused + recorder_.status().cut);
 }
 
 }  // namespace sslv

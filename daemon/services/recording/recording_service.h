@@ -11,6 +11,7 @@
 
 #include <condition_variable>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <stop_token>
@@ -24,8 +25,11 @@ namespace sslv {
 /// the room that they may take.
 class RecordingService final : public Service {
  public:
-  /// All must outlive this.
-  RecordingService(const Snapshot<Config>& config, RecordingFiles& files, const RefereeListener& referee);
+  using IsOwn = std::function<bool(const boost::asio::ip::udp::endpoint& sender)>;
+
+  /// All must outlive this. `is_own`: whether this service sends from there; called from threads that listen.
+  RecordingService(const Snapshot<Config>& config, RecordingFiles& files, const RefereeListener& referee,
+                   IsOwn is_own);
 
   // Service
   void ask_to_stop() override {
@@ -50,6 +54,7 @@ class RecordingService final : public Service {
     double problem_s = 0;   // when that was
   };
 
+  bool is_ours(std::int32_t type, const boost::asio::ip::udp::endpoint& sender) const;
   void look(const std::stop_token& stop);
   void follow_game_controller();
   void check_disk();
@@ -73,6 +78,7 @@ class RecordingService final : public Service {
   const Snapshot<Config>& config_;
   const RefereeListener& referee_;
   RecordingFiles& files_;
+  const IsOwn is_own_;
   MatchLogRecorder recorder_;
   EventQueue events_;
   std::mutex control_mutex_;  // for what begins and ends recordings, which may wait for the disk

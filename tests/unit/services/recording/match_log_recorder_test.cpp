@@ -7,6 +7,8 @@
 #include "support/group_listener.h"
 #include "support/temporary_folder.h"
 
+#include <atomic>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -33,7 +35,8 @@ class MatchLogRecorderTest : public ::testing::Test {
   const std::filesystem::path file_ = folder_.path() / "a.log.gz";
   GroupListener listener_;  // keeps the port
   MulticastSender sender_{settings_for(listener_)};
-  MatchLogRecorder recorder_;
+  std::atomic<bool> are_ours_ = true;
+  MatchLogRecorder recorder_{[this](std::int32_t, const auto&) { return are_ours_.load(); }};
 };
 
 TEST_F(MatchLogRecorderTest, LeavesOutAndCountsWhatIsNotTheLeagues) {
@@ -54,6 +57,30 @@ TEST_F(MatchLogRecorderTest, LeavesOutAndCountsWhatIsNotTheLeagues) {
   EXPECT_TRUE(reader.next(message));
   EXPECT_EQ(message.type, LoggedMessage::kTracker2020);
   EXPECT_FALSE(reader.next(message)) << "nothing else is in the log";
+}
+
+TEST_F(MatchLogRecorderTest, StrangersAreCutToAsMuchAsIsOurs) {
+  recorder_.begin(file_);
+  const auto sent = [&](std::uint64_t tracked, std::uint64_t cut) {
+    send_tracked();
+    return test::becomes(
+        [&] { return recorder_.status().tracked == tracked && recorder_.status().cut == cut; });
+  };
+  are_ours_ = false;
+  ASSERT_TRUE(sent(1, 0)) << "there is room";
+  recorder_.cut_strangers(true);
+  ASSERT_TRUE(sent(1, 1));
+  are_ours_ = true;
+  ASSERT_TRUE(sent(2, 1));
+  ASSERT_TRUE(sent(3, 1));
+  are_ours_ = false;
+  ASSERT_TRUE(sent(4, 1)) << "as much as ours";
+  ASSERT_TRUE(sent(4, 2));
+  const MatchLogRecorder::Status status = recorder_.status();
+  EXPECT_EQ(status.ours_bytes, status.strangers_bytes);
+  recorder_.cut_strangers(false);
+  ASSERT_TRUE(sent(5, 2));
+  recorder_.end();
 }
 
 TEST_F(MatchLogRecorderTest, ALogWhoseIndexCannotBeWrittenIsRecorded) {

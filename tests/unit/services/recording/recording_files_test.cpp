@@ -51,7 +51,9 @@ class RecordingFilesTest : public ::testing::Test {
   }
   /// What is removed so that so many MB more have room.
   std::vector<std::string> goes_for(RoomFor whom, int wanted_mb = 0) {
-    problem_ = files_.make_room(settings_, whom, events_, static_cast<std::uint64_t>(wanted_mb) * kMb);
+    const Room room = files_.make_room(settings_, whom, events_, static_cast<std::uint64_t>(wanted_mb) * kMb);
+    problem_ = room.problem;
+    is_scarce_ = room.is_scarce;
     std::vector<std::string> out;
     for (const Event& event : events_.take()) {
       const std::string begin = "Recording ", end = " was removed to make room";
@@ -80,6 +82,7 @@ class RecordingFilesTest : public ::testing::Test {
     return settings;
   }();
   std::string problem_;
+  bool is_scarce_ = false;
 };
 
 TEST_F(RecordingFilesTest, ClipsGoBeforeMatchLogsAndOldOnesFirst) {
@@ -148,6 +151,28 @@ TEST_F(RecordingFilesTest, NothingGoesForALogThatStrangersFilled) {
   files_.pin("a.log.gz", false);
   put("next.log.gz", 1, 0);
   EXPECT_THAT(goes_for(RoomFor::kMatchLog), ElementsAre(name)) << "it goes before all others";
+}
+
+/// A fifth of it is ours, and strangers' as much as that counts: 20 MB of the log's 50.
+TEST_F(RecordingFilesTest, NothingGoesForWhatStrangersSendBeyondOurs) {
+  put("a.log.gz", 30, 9);
+  const fs::path log = files_.begin("match");
+  const std::string name = log.filename().string();
+  files_.count(name, 0.4);
+  put(name, 40, 1);
+  EXPECT_THAT(goes_for(RoomFor::kMatchLog), IsEmpty());
+  EXPECT_FALSE(is_scarce_);
+  put(name, 50, 1);
+  EXPECT_THAT(goes_for(RoomFor::kMatchLog), IsEmpty());
+  EXPECT_TRUE(is_scarce_) << "a quarter of the quota is for what is ours";
+  EXPECT_EQ(problem_, "");
+  put("a.log.gz", 60, 9);
+  EXPECT_THAT(goes_for(RoomFor::kMatchLog), IsEmpty());
+  EXPECT_THAT(problem_, HasSubstr("recordings take 110 MB"));
+  files_.end(log, true);
+  EXPECT_THAT(goes_for(RoomFor::kMatchLog), IsEmpty()) << "after the match, too";
+  files_.count(name, 1);
+  EXPECT_THAT(goes_for(RoomFor::kMatchLog), ElementsAre("a.log.gz"));
 }
 
 TEST_F(RecordingFilesTest, AClipLeavesRoomForLogsAndOnlyAWantedOneTakesTheirs) {
