@@ -13,6 +13,7 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/strand.hpp>
 
 namespace sslv {
 
@@ -23,7 +24,10 @@ struct HttpContext {
   WebSocketHub& websockets;
   CameraFeeds& feeds;
   boost::asio::io_context& workers;  // handlers run here
-  boost::asio::io_context& quick;    // and those that wait for nothing here
+  boost::asio::io_context& quick;    // those that wait for nothing here
+  /// And those of requests of more than kLargeRequestBytes by one worker, one after the other: what is made
+  /// of a body may take many times its bytes.
+  boost::asio::strand<boost::asio::io_context::executor_type>& large;
   std::atomic<int>& large_requests;  // being received and answered now
   std::atomic<int>& sent_files;      // that are sent now
 };

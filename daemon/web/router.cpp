@@ -349,8 +349,7 @@ HttpAnswer Router::answer(std::string_view request, const std::string& remote_ad
   if (!is_head) answer.file = std::move(wanted_file);
   wanted_file.reset();
   // Now that what was made of it is gone, however long that took.
-  constexpr std::size_t kLarge = 64 * 1024;
-  if (request.size() > kLarge) memory_was_used();
+  if (request.size() > kLargeRequestBytes) memory_was_used();
   return answer;
 }
 

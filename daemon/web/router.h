@@ -21,6 +21,9 @@ namespace sslv {
 /// How long a connection is kept open for its next request.
 inline constexpr std::chrono::seconds kKeepAliveTimeout{75};
 
+/// Of a request of more, so much may be made that only one is handled at a time.
+inline constexpr std::size_t kLargeRequestBytes = 64 * 1024;
+
 struct HttpAnswer {
   std::string bytes;  // as they go onto the socket
   bool keep_alive = false;

@@ -28,6 +28,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <boost/asio/strand.hpp>
 #include <boost/asio/write.hpp>
 
 namespace sslv {
@@ -176,6 +177,7 @@ class Listener {
 struct Executors {
   asio::io_context io{1};
   asio::io_context workers, quick{1};
+  asio::strand<asio::io_context::executor_type> large{workers.get_executor()};
   asio::executor_work_guard<asio::io_context::executor_type> keep_workers{workers.get_executor()};
   asio::executor_work_guard<asio::io_context::executor_type> keep_quick{quick.get_executor()};
 };
@@ -278,9 +280,15 @@ class RunningServer {
   Executors executors_;
   CameraFeeds feeds_;
   WebSocketHub websockets_;
-  const HttpContext http_{
-      gate_,           router_,    websockets_, feeds_, executors_.workers, executors_.quick,
-      large_requests_, sent_files_};
+  const HttpContext http_{gate_,
+                          router_,
+                          websockets_,
+                          feeds_,
+                          executors_.workers,
+                          executors_.quick,
+                          executors_.large,
+                          large_requests_,
+                          sent_files_};
   Listener listener_;
   asio::steady_timer audit_timer_;
   std::uint64_t told_unsent_ = counters_.unsent;
