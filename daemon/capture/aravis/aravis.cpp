@@ -140,8 +140,9 @@ class BufferTimes {
   double ticks_per_s_ = 1e9;       // of ChunkTimestamp
 };
 
-/// An automatic exposure changes at any time. The camera answers when it likes, so a thread of its own asks,
-/// and only while images come: a dead camera would keep it, and the closing, waiting.
+/// An automatic exposure changes at any time, and one that was not answered is not known. The camera answers
+/// when it likes, so a thread of its own asks, and only while images come: a dead camera would keep it, and
+/// the closing, waiting.
 class ExposureFollower {
  public:
   ExposureFollower(AravisCamera& camera, const Link& link) : camera_(camera), link_(link) {}
@@ -164,7 +165,7 @@ class ExposureFollower {
     std::unique_lock idle_lock(idle);
     while (!alarm.wait_for(idle_lock, stop, kEvery, [&] { return stop.stop_requested(); })) {
       const auto silence = std::chrono::nanoseconds(steady_ns() - image_ns_.load(std::memory_order_relaxed));
-      if (!camera_.is_exposure_auto || silence > kEvery || link_.control_lost) continue;
+      if (!camera_.may_exposure_change || silence > kEvery || link_.control_lost) continue;
       const std::lock_guard lock(camera_.mutex);
       read_exposure(camera_);
     }

@@ -529,6 +529,24 @@ TEST_F(Gige, ACameraThatDoesNotAnswerIsNotOpen) {
   EXPECT_EQ(refusal({{"chunks", true}}), "no error");
 }
 
+TEST_F(Gige, AnExposureThatIsNotAnsweredIsAskedForAgain) {
+  constexpr guint32 kExposureAuto = 0x400;  // as GigeServer has it
+  const std::map<std::string, guint32> unanswered_in{{"Off", ARV_FAKE_CAMERA_REGISTER_EXPOSURE_TIME_US},
+                                                     {"Continuous", kExposureAuto}};
+  for (const auto& [mode, address] : unanswered_in) {
+    server_->set_exposure(2000);
+    open({{"controls", {{"ExposureAuto", mode}}}});
+    unanswered_register = address;
+    const auto source = open();
+    server_->set_exposure(300000);
+    unanswered_register = 0;
+    EXPECT_TRUE(test::becomes([&] {
+      const CapturedImage image = next_picture(*source);
+      return image.times.t_capture_s - *image.times.t_capture_camera_s < -0.1;
+    })) << mode;
+  }
+}
+
 TEST_F(Gige, ACameraThatDoesNotSayItsExposureDelaysNoPicture) {
   HeldAnswer held;
   const auto source = open({{"controls", {{"ExposureAuto", "Continuous"}}}});
