@@ -29,16 +29,24 @@ struct SharedCamera::Pool {
 };
 
 std::shared_ptr<SharedCamera> SharedCamera::get(const std::string& key, const Open& open) {
-  // Held while a camera is opened: the others who want it wait for it.
+  struct Entry {
+    std::mutex mutex;  // held while the camera is opened: the others who want it wait for it
+    std::weak_ptr<SharedCamera> camera;
+  };
   static std::mutex mutex;
-  static std::map<std::string, std::weak_ptr<SharedCamera>> cameras;
-  const std::lock_guard lock(mutex);
-  if (auto known = cameras[key].lock()) {
+  static std::map<std::string, Entry> entries;  // none is ever removed
+  const auto entry_of = [&]() -> Entry& {
+    const std::lock_guard lock(mutex);
+    return entries[key];
+  };
+  Entry& entry = entry_of();
+  const std::lock_guard lock(entry.mutex);
+  if (auto known = entry.camera.lock()) {
     const std::lock_guard known_lock(known->mutex_);
     if (known->end_ == CaptureStatus::kTimeout) return known;
   }
   std::shared_ptr<SharedCamera> camera(new SharedCamera(open()));
-  cameras[key] = camera;
+  entry.camera = camera;
   return camera;
 }
 

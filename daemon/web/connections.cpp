@@ -222,7 +222,7 @@ bool Connections::Seat::holds(std::size_t bytes, std::string& problem) {
       connections_.set_unsent_bytes(*this, bytes);
     } else {
       ++connections_.unsent_;
-      problem = "too much waits for clients that take nothing; try again in a moment";
+      problem = "too much waits for slow clients; try again in a moment";
     }
   }
   for (const auto& close : closed) close();

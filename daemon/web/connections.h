@@ -43,7 +43,7 @@ class Connections {
 
   class Seat;
 
-  /// `max`: connections at once, viewers included. `unsent`: counts what was not sent because too much waits.
+  /// `max`: connections at once, viewers included. `unsent`: counts what was dropped because too much waits.
   Connections(int max, Clock now_s, std::atomic<std::uint64_t>& unsent);
   Connections(const Connections&) = delete;
   Connections& operator=(const Connections&) = delete;

@@ -129,6 +129,9 @@ class Description {
                with_register("PtpEnable", 0x404, on_or_off("PtpEnable")) +
                with_register("ChunkModeActive", 0x408, on_or_off("ChunkModeActive")) +
                with_register("ChunkEnable", 0x40c, on_or_off("ChunkEnable")) +
+               with_register("GevTimestampTickFrequency", 0x440,
+                             "<Integer Name=\"GevTimestampTickFrequency\">"
+                             "<pValue>GevTimestampTickFrequencyRegister</pValue></Integer>") +
                with_register("ChunkSelector", 0x410, enumeration("ChunkSelector", entry("ExposureTime", 0))) +
                with_register("BalanceRatioSelector", 0x414,
                              enumeration("BalanceRatioSelector", entry("Red", 0) + entry("Blue", 1) +

@@ -23,6 +23,8 @@
 #include <memory>
 #include <mutex>
 #include <stop_token>
+#include <string>
+#include <string_view>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -85,19 +87,24 @@ void give_back(void*, void* lent) noexcept {
 /// Says when images were taken, by what the camera tells in their buffers.
 class BufferTimes {
  public:
-  /// Asks the camera, whose mutex must be held, what the times of images depend on.
-  void prepare(ArvCamera* camera, bool use_chunks) {
+  /// Asks the camera, whose mutex must be held, what the times of images depend on. Throws CaptureError, with
+  /// the camera's label, if it does not answer.
+  void prepare(ArvCamera* camera, bool use_chunks, std::string_view label) {
     Failure failure;
     for (const char* feature : {"PtpEnable", "GevIEEE1588"}) {
-      const bool is_on = arv_camera_is_feature_available(camera, feature, nullptr) != FALSE &&
+      const bool is_on = arv_camera_is_feature_available(camera, feature, failure) != FALSE &&
                          arv_camera_get_boolean(camera, feature, failure) != FALSE && !failure.failed();
+      failure.require_answer(label);
       has_ptp_ = has_ptp_ || is_on;
     }
     if (!use_chunks) return;
     chunks_.reset(arv_camera_create_chunk_parser(camera));
     // In nanoseconds, unless an older GigE camera says otherwise.
-    if (arv_camera_is_feature_available(camera, "GevTimestampTickFrequency", nullptr) == FALSE) return;
-    const gint64 per_s = arv_camera_get_integer(camera, "GevTimestampTickFrequency", failure);
+    const gint64 per_s =
+        arv_camera_is_feature_available(camera, "GevTimestampTickFrequency", failure) != FALSE
+            ? arv_camera_get_integer(camera, "GevTimestampTickFrequency", failure)
+            : 0;
+    failure.require_answer(label);
     if (!failure.failed() && per_s > 0) ticks_per_s_ = static_cast<double>(per_s);
   }
 
@@ -133,8 +140,9 @@ class BufferTimes {
   double ticks_per_s_ = 1e9;       // of ChunkTimestamp
 };
 
-/// An automatic exposure changes at any time. The camera answers when it likes, so a thread of its own asks,
-/// and only while images come: a dead camera would keep it, and the closing, waiting.
+/// An automatic exposure changes at any time, and one that was not answered is not known. The camera answers
+/// when it likes, so a thread of its own asks, and only while images come: a dead camera would keep it, and
+/// the closing, waiting.
 class ExposureFollower {
  public:
   ExposureFollower(AravisCamera& camera, const Link& link) : camera_(camera), link_(link) {}
@@ -157,7 +165,7 @@ class ExposureFollower {
     std::unique_lock idle_lock(idle);
     while (!alarm.wait_for(idle_lock, stop, kEvery, [&] { return stop.stop_requested(); })) {
       const auto silence = std::chrono::nanoseconds(steady_ns() - image_ns_.load(std::memory_order_relaxed));
-      if (!camera_.is_exposure_auto || silence > kEvery || link_.control_lost) continue;
+      if (!camera_.may_exposure_change || silence > kEvery || link_.control_lost) continue;
       const std::lock_guard lock(camera_.mutex);
       read_exposure(camera_);
     }
@@ -186,7 +194,7 @@ class AravisSource final : public Source {
       const std::lock_guard lock(shared_->mutex);
       set_up_aravis(camera(), options_, label_, warnings_);
       read_exposure(*shared_);
-      times_.prepare(camera(), options_.chunks);
+      times_.prepare(camera(), options_.chunks, label_);
       watch_control();
       start_stream();
     }
@@ -347,7 +355,7 @@ class AravisSource final : public Source {
 
   void start_stream() {
     Failure failure;
-    reader_.read_region(camera());
+    reader_.read_region(camera(), label_);
     const guint payload = arv_camera_get_payload(camera(), failure);
     if (!failure.failed()) stream_.reset(arv_camera_create_stream(camera(), nullptr, nullptr, failure));
     if (!stream_) throw CaptureError(fmt::format("camera \"{}\": no stream: {}", label_, failure.text()));

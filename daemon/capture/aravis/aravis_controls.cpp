@@ -353,11 +353,14 @@ std::shared_ptr<Controls> aravis_controls(std::shared_ptr<AravisCamera> camera) 
 void read_exposure(AravisCamera& camera) {
   Failure failure;
   const double exposure_us = arv_camera_get_exposure_time(camera.camera.get(), failure);
-  camera.exposure_s = failure.failed() || !(exposure_us > 0) ? 0 : exposure_us * 1e-6;
-  const bool has_auto = arv_camera_is_exposure_auto_available(camera.camera.get(), failure) != FALSE;
-  camera.is_exposure_auto = has_auto && !failure.failed() &&
-                            arv_camera_get_exposure_time_auto(camera.camera.get(), failure) != ARV_AUTO_OFF &&
-                            !failure.failed();
+  bool asks_again = failure.is_unanswered();
+  if (!asks_again) {
+    camera.exposure_s = failure.failed() || !(exposure_us > 0) ? 0 : exposure_us * 1e-6;
+    asks_again = arv_camera_is_exposure_auto_available(camera.camera.get(), failure) != FALSE &&
+                 arv_camera_get_exposure_time_auto(camera.camera.get(), failure) != ARV_AUTO_OFF &&
+                 !failure.failed();
+  }
+  camera.may_exposure_change = asks_again || failure.is_unanswered();
 }
 
 }  // namespace sslv

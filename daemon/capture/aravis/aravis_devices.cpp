@@ -67,6 +67,7 @@ void check_aravis_serial(ArvCamera* camera, const AravisHandle& handle) {
   Failure failure;
   arv_device_read_memory(arv_camera_get_device(camera), kSerialRegister, serial.size() - 1, serial.data(),
                          failure);
+  failure.require_answer(handle.serial);
   if (!failure.failed() && handle.serial != serial.data()) {
     throw CaptureError(fmt::format("camera \"{}\": another one has its address now", handle.serial));
   }

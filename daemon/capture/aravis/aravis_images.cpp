@@ -50,14 +50,17 @@ ImageView view_of(const SentPicture& sent) {
           sent.format->format};
 }
 
-void AravisBufferReader::read_region(ArvCamera* camera) {
+void AravisBufferReader::read_region(ArvCamera* camera, std::string_view label) {
   Failure failure;
   gint sensor_width = 0, sensor_height = 0, x = 0, y = 0, width = 0, height = 0, bin_x = 1, bin_y = 1;
   arv_camera_get_sensor_size(camera, &sensor_width, &sensor_height, failure);
+  failure.require_answer(label);
   if (failure.failed()) return;
   arv_camera_get_region(camera, &x, &y, &width, &height, failure);
+  failure.require_answer(label);
   if (failure.failed()) return;
-  arv_camera_get_binning(camera, &bin_x, &bin_y, nullptr);
+  arv_camera_get_binning(camera, &bin_x, &bin_y, failure);
+  failure.require_answer(label);
   const WholePicture sensor{sensor_width / std::max(1, bin_x), sensor_height / std::max(1, bin_y), x, y};
   const bool is_part = width < sensor.width || height < sensor.height;
   const bool is_within = x + width <= sensor.width && y + height <= sensor.height;

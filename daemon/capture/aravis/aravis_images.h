@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace sslv {
 
@@ -50,8 +51,9 @@ class AravisBufferReader {
   /// Whether no more came than there is room for, as the library counts.
   bool is_within(ArvBuffer* buffer) const;
 
-  /// Asks the camera which part of its sensor is read. One that does not tell is taken for whole.
-  void read_region(ArvCamera* camera);
+  /// Asks the camera which part of its sensor is read. One without these features is taken for whole. Throws
+  /// CaptureError, with the camera's label, if it does not answer.
+  void read_region(ArvCamera* camera, std::string_view label);
   const WholePicture& whole() const { return whole_; }
 
   /// No format, with the reason, when the buffer holds no sound image.

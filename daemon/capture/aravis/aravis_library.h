@@ -3,9 +3,13 @@
 
 // Aravis, with what C++ needs to use it.
 
+#include "capture/source.h"
+
 #include <memory>
 #include <string>
 #include <string_view>
+
+#include <fmt/format.h>
 
 // The library's headers convert as C does.
 #pragma GCC diagnostic push
@@ -30,6 +34,15 @@ class Failure {
   }
   bool failed() const { return error_ != nullptr; }
   std::string_view text() const { return error_ != nullptr ? error_->message : "no reason given"; }
+  /// The camera did not answer in time. Else it has no such feature, or refused.
+  bool is_unanswered() const {
+    return g_error_matches(error_, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_TIMEOUT) != FALSE ||
+           g_error_matches(error_, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_NOT_CONNECTED) != FALSE;
+  }
+  /// Throws CaptureError if the camera did not answer: then a default would be a guess.
+  void require_answer(std::string_view label) const {
+    if (is_unanswered()) throw CaptureError(fmt::format("camera \"{}\": does not answer: {}", label, text()));
+  }
 
  private:
   GError* error_ = nullptr;

@@ -49,7 +49,9 @@ class Setup {
   void region(const AravisOptions& options) const {
     if (options.width == 0 && options.height == 0) return;
     // The size that is possible depends on the offset, so that goes first out of the way.
-    const bool has_offset = arv_camera_is_region_offset_available(camera_, nullptr);
+    Failure failure;
+    const bool has_offset = arv_camera_is_region_offset_available(camera_, failure);
+    failure.require_answer(label_);
     if (has_offset) {
       integer("offset_x", "OffsetX", 0);
       integer("offset_y", "OffsetY", 0);
@@ -148,19 +150,20 @@ void ask_for_chunks(ArvCamera* camera, std::vector<std::string>& warnings) {
 void set_up_aravis(ArvCamera* camera, const AravisOptions& options, const std::string& label,
                    std::vector<std::string>& warnings) {
   const Setup setup(camera, label);
+  Failure failure;
   setup.pixel_format(options.pixel_format);
   setup.region(options);
   if (options.exposure_us) {
-    if (arv_camera_is_exposure_auto_available(camera, nullptr)) {
-      arv_camera_set_exposure_time_auto(camera, ARV_AUTO_OFF, nullptr);
-    }
+    if (arv_camera_is_exposure_auto_available(camera, failure))
+      arv_camera_set_exposure_time_auto(camera, ARV_AUTO_OFF, failure);
+    failure.require_answer(label);
     setup.real("exposure_us", *options.exposure_us, arv_camera_is_exposure_time_available,
                arv_camera_get_exposure_time_bounds, arv_camera_set_exposure_time);
   }
   if (options.gain) {
-    if (arv_camera_is_gain_auto_available(camera, nullptr)) {
-      arv_camera_set_gain_auto(camera, ARV_AUTO_OFF, nullptr);
-    }
+    if (arv_camera_is_gain_auto_available(camera, failure))
+      arv_camera_set_gain_auto(camera, ARV_AUTO_OFF, failure);
+    failure.require_answer(label);
     setup.real("gain", *options.gain, arv_camera_is_gain_available, arv_camera_get_gain_bounds,
                arv_camera_set_gain);
   }
@@ -169,7 +172,6 @@ void set_up_aravis(ArvCamera* camera, const AravisOptions& options, const std::s
                arv_camera_get_frame_rate_bounds, arv_camera_set_frame_rate);
   }
   if (options.chunks) ask_for_chunks(camera, warnings);
-  Failure failure;
   arv_camera_set_acquisition_mode(camera, ARV_ACQUISITION_MODE_CONTINUOUS, failure);
   setup.check(failure, "acquisition mode", "Continuous");
   if (!arv_camera_is_gv_device(camera)) return;

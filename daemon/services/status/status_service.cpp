@@ -182,7 +182,7 @@ void StatusService::write_metrics(MetricsText& out) const {
   out.begin("sslv_preview_clients", "gauge", "Panels and other viewers connected by WebSocket.");
   out.add({}, static_cast<double>(web_.viewers.load()));
   out.begin("sslv_web_unsent_total", "counter",
-            "Answers and images that were not sent because too much waited for clients that took nothing.");
+            "Answers, images and requests that were dropped because too much waited for slow clients.");
   out.add({}, web_.unsent.load());
   const std::lock_guard lock(mutex_);
   if (!clock_) return;

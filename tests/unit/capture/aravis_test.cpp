@@ -17,7 +17,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstring>
 #include <functional>
+#include <initializer_list>
 #include <latch>
 #include <map>
 #include <optional>
@@ -461,6 +463,18 @@ struct HeldAnswer {
 /// What the camera answers in place of its packet size; 0: nothing in time.
 std::optional<guint> told_packet_bytes;
 
+/// Requests for this register of the camera do not reach it; 0: all do.
+std::atomic<guint32> unanswered_register{0};
+
+bool is_unanswered(const char* packet, std::size_t size) {
+  constexpr char kRequest = 0x42;  // of GigE Vision's control protocol
+  constexpr std::size_t kAddressAt = 8;
+  if (unanswered_register == 0 || size < kAddressAt + 4 || packet[0] != kRequest) return false;
+  guint32 address = 0;
+  std::memcpy(&address, packet + kAddressAt, sizeof address);
+  return GUINT32_FROM_BE(address) == unanswered_register;
+}
+
 }  // namespace
 }  // namespace sslv
 
@@ -478,6 +492,16 @@ extern "C" guint arv_camera_gv_get_packet_size(ArvCamera* camera, GError** error
     g_set_error_literal(error, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_TIMEOUT, "it does not answer");
   return sslv::told_packet_bytes ? *sslv::told_packet_bytes : real(camera, error);
 }
+/// A request that cannot be sent is repeated at once; the library waits seconds for an answer that is lost.
+/// The error in the end is the same.
+extern "C" gssize g_socket_send_to(GSocket* socket, GSocketAddress* address, const gchar* packet, gsize size,
+                                   GCancellable* cancellable, GError** error) {
+  static const auto real =
+      reinterpret_cast<decltype(&g_socket_send_to)>(dlsym(RTLD_NEXT, "g_socket_send_to"));
+  if (!sslv::is_unanswered(packet, size)) return real(socket, address, packet, size, cancellable, error);
+  g_set_error_literal(error, G_IO_ERROR, G_IO_ERROR_HOST_UNREACHABLE, "lost by the test");
+  return -1;
+}
 
 namespace sslv {
 namespace {
@@ -490,6 +514,37 @@ TEST_F(Gige, ACameraThatDoesNotSayItsPacketSizeIsNotOpen) {
   told_packet_bytes = 57;
   EXPECT_EQ(refusal(Json::object()), "no error");
   told_packet_bytes.reset();
+}
+
+TEST_F(Gige, ACameraThatDoesNotAnswerIsNotOpen) {
+  constexpr guint32 kPtpEnable = 0x404, kTimestampTickFrequency = 0x440;  // as GigeServer has them
+  for (const guint32 address : std::initializer_list<guint32>{
+           ARV_FAKE_CAMERA_REGISTER_SENSOR_WIDTH, ARV_FAKE_CAMERA_REGISTER_X_OFFSET,
+           ARV_FAKE_CAMERA_REGISTER_BINNING_HORIZONTAL, kPtpEnable, kTimestampTickFrequency}) {
+    unanswered_register = address;
+    EXPECT_THAT(refusal({{"chunks", true}}), HasSubstr("camera \"127.0.0.1\": does not answer: "))
+        << std::hex << address;
+  }
+  unanswered_register = 0;
+  EXPECT_EQ(refusal({{"chunks", true}}), "no error");
+}
+
+TEST_F(Gige, AnExposureThatIsNotAnsweredIsAskedForAgain) {
+  constexpr guint32 kExposureAuto = 0x400;  // as GigeServer has it
+  const std::map<std::string, guint32> unanswered_in{{"Off", ARV_FAKE_CAMERA_REGISTER_EXPOSURE_TIME_US},
+                                                     {"Continuous", kExposureAuto}};
+  for (const auto& [mode, address] : unanswered_in) {
+    server_->set_exposure(2000);
+    open({{"controls", {{"ExposureAuto", mode}}}});
+    unanswered_register = address;
+    const auto source = open();
+    server_->set_exposure(300000);
+    unanswered_register = 0;
+    EXPECT_TRUE(test::becomes([&] {
+      const CapturedImage image = next_picture(*source);
+      return image.times.t_capture_s - *image.times.t_capture_camera_s < -0.1;
+    })) << mode;
+  }
 }
 
 TEST_F(Gige, ACameraThatDoesNotSayItsExposureDelaysNoPicture) {

@@ -2,9 +2,13 @@
 #include "capture/shared_camera.h"
 
 #include "support/becomes.h"
+#include "support/patience.h"
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <future>
+#include <latch>
 #include <memory>
 #include <string>
 
@@ -34,6 +38,28 @@ TEST(SharedCamera, WhatIsLostIsCountedWithoutAnImage) {
     EXPECT_EQ(taker.next(image, problem, std::chrono::milliseconds(1)), CaptureStatus::kTimeout);
     return taker.dropped() > 0;
   }));
+}
+
+TEST(SharedCamera, AnOpeningThatTakesLongDelaysThatCameraOnly) {
+  std::latch is_opening(1), may_open(1);
+  std::atomic<int> slow_openings{0};
+  const auto get_slow = [&] {
+    return SharedCamera::get("slow", [&] {
+      if (++slow_openings == 1) is_opening.count_down();
+      may_open.wait();
+      return std::make_unique<LosingSource>();
+    });
+  };
+  auto first = std::async(std::launch::async, get_slow);
+  is_opening.wait();
+  auto second = std::async(std::launch::async, get_slow);
+  auto other = std::async(std::launch::async, [] {
+    return SharedCamera::get("quick", [] { return std::make_unique<LosingSource>(); });
+  });
+  EXPECT_EQ(other.wait_for(test::kPatience), std::future_status::ready);
+  may_open.count_down();
+  EXPECT_EQ(first.get(), second.get());
+  EXPECT_EQ(slow_openings, 1);
 }
 
 }  // namespace

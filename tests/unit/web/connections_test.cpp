@@ -166,7 +166,7 @@ TEST_F(ConnectionsTest, WhatWaitsForAnAddressHasALimit) {
   }
   EXPECT_LE(held, Connections::kMaxUnsentBytesOfAddress);
   EXPECT_GE(held, Connections::kMaxUnsentBytesOfAddress / 2);
-  EXPECT_EQ(problem_, "too much waits for clients that take nothing; try again in a moment");
+  EXPECT_EQ(problem_, "too much waits for slow clients; try again in a moment");
   EXPECT_EQ(unsent_, 20 - held / (3 * kMiB));
   EXPECT_TRUE(greedy.back()->seat->holds(Connections::kAlwaysSentBytes, problem_)) << "whether all is well";
   EXPECT_TRUE(connect("192.0.2.1")->seat->holds(3 * kMiB, problem_)) << "another address";
