@@ -37,7 +37,7 @@ class Connections {
   using Clock = std::function<double()>;  // steady, s
   static constexpr double kSendPatience_s = 5;
   static constexpr double kSendPatienceWithMany_s = 0.5;
-  static constexpr std::size_t kMaxUnsentBytes = 24 * 1024 * 1024, kMaxUnsentBytesOfAddress = 8 * 1024 * 1024;
+  static constexpr std::size_t kMaxUnsentBytes = 12 * 1024 * 1024, kMaxUnsentBytesOfAddress = 6 * 1024 * 1024;
   /// As much each connection may have, so that who only asks whether all is well always gets an answer.
   static constexpr std::size_t kAlwaysSentBytes = 16 * 1024;
 

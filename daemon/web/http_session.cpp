@@ -182,16 +182,17 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     received_.resize(size);
     seat_.works();
     const auto [method, target] = first_line();
-    const bool is_quick = context_.router.speed_of(method, target) == Speed::kAtOnce;
+    const Speed speed =
+        size > kLargeRequestBytes ? Speed::kTakesMemory : context_.router.speed_of(method, target);
     auto work = [self = shared_from_this(), request = std::exchange(received_, std::move(following))] {
       HttpAnswer answer = self->context_.router.answer(request, self->remote_address_);
       asio::post(self->stream_.get_executor(),
                  [self, answer = std::move(answer)]() mutable { self->answer(std::move(answer)); });
     };
-    if (size > kLargeRequestBytes) {
-      asio::post(context_.large, std::move(work));
+    if (speed == Speed::kTakesMemory) {
+      asio::post(context_.one_by_one, std::move(work));
     } else {
-      asio::post(is_quick ? context_.quick : context_.workers, std::move(work));
+      asio::post(speed == Speed::kAtOnce ? context_.quick : context_.workers, std::move(work));
     }
   }
 

@@ -25,9 +25,8 @@ struct HttpContext {
   CameraFeeds& feeds;
   boost::asio::io_context& workers;  // handlers run here
   boost::asio::io_context& quick;    // those that wait for nothing here
-  /// And those of requests of more than kLargeRequestBytes by one worker, one after the other: what is made
-  /// of a body may take many times its bytes.
-  boost::asio::strand<boost::asio::io_context::executor_type>& large;
+  /// And those that take much memory by one worker, one after the other.
+  boost::asio::strand<boost::asio::io_context::executor_type>& one_by_one;
   std::atomic<int>& large_requests;  // being received and answered now
   std::atomic<int>& sent_files;      // that are sent now
 };

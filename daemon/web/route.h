@@ -74,8 +74,8 @@ enum class Needs {
 };
 
 /// Whether a handler may wait for a camera, a disk or the network. Those that do not are served while all
-/// others hang.
-enum class Speed { kMayWait, kAtOnce };
+/// others hang. What takes much memory may wait, too, and one worker handles it, one after the other.
+enum class Speed { kMayWait, kAtOnce, kTakesMemory };
 
 inline constexpr std::size_t kMaxBodyBytes = 1024 * 1024;
 /// More of a body is not received from clients that may not change anything.

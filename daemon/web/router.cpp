@@ -105,7 +105,7 @@ Request request_of(const httplib::Request& request, const std::stop_token& stop)
 /// Throws HttpError unless the client may do this now.
 void admit(Gate& gate, const Route& route, const Request& request) {
   if (route.needs == Needs::kNothing) return;
-  if (route.speed == Speed::kMayWait) gate.refresh();
+  if (route.speed != Speed::kAtOnce) gate.refresh();
   const bool only_looks = route.needs == Needs::kByMethod && route.method == std::string_view("GET");
   const May may = gate.may(request.cookies);
   if (may == May::kNothing) throw HttpError(401, "sign in first");

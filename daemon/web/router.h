@@ -21,7 +21,7 @@ namespace sslv {
 /// How long a connection is kept open for its next request.
 inline constexpr std::chrono::seconds kKeepAliveTimeout{75};
 
-/// Of a request of more, so much may be made that only one is handled at a time.
+/// A request of more takes memory: many times its bytes may be made of it.
 inline constexpr std::size_t kLargeRequestBytes = 64 * 1024;
 
 struct HttpAnswer {

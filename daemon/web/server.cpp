@@ -177,7 +177,7 @@ class Listener {
 struct Executors {
   asio::io_context io{1};
   asio::io_context workers, quick{1};
-  asio::strand<asio::io_context::executor_type> large{workers.get_executor()};
+  asio::strand<asio::io_context::executor_type> one_by_one{workers.get_executor()};
   asio::executor_work_guard<asio::io_context::executor_type> keep_workers{workers.get_executor()};
   asio::executor_work_guard<asio::io_context::executor_type> keep_quick{quick.get_executor()};
 };
@@ -286,7 +286,7 @@ class RunningServer {
                           feeds_,
                           executors_.workers,
                           executors_.quick,
-                          executors_.large,
+                          executors_.one_by_one,
                           large_requests_,
                           sent_files_};
   Listener listener_;

@@ -57,7 +57,8 @@ std::vector<Route> AccessService::routes() {
   return {
       {"GET", "/api/session", [this](const Request& request) { return state_response(request.cookies); },
        Needs::kNothing, Speed::kAtOnce},
-      {"POST", "/api/session", call(&AccessService::sign_in), Needs::kNothing},
+      {"POST", "/api/session", call(&AccessService::sign_in), Needs::kNothing,
+       Speed::kTakesMemory},  // 16 MiB for a password's hash
       {"DELETE", "/api/session", call(&AccessService::sign_out), Needs::kNothing},
       {"PUT", "/api/passwords/([^/]+)", call(&AccessService::set_password), Needs::kChange},
       {"POST", "/api/match_lock", call(&AccessService::set_lock), Needs::kChange},

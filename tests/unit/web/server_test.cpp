@@ -491,6 +491,18 @@ TEST_F(ServerTest, RequestsThatHangKeepNobodyFromTheServicesHealth) {
   daemon_.let_go();
 }
 
+TEST_F(ServerTest, LargeRequestsTakeOneWorkerAtMost) {
+  std::vector<std::unique_ptr<Client>> hanging;
+  for (int i = 0; i < 8; ++i) {  // more than there are workers
+    hanging.push_back(std::make_unique<Client>(server_.port()));
+    hanging.back()->send(request_text("GET", "/api/hangs", "", std::string(kLargeRequestBytes, ' ')));
+  }
+  Client other(server_.port());
+  EXPECT_EQ(ask(other, "GET", "/api/schema").status, 200);
+  daemon_.let_go();
+  for (const auto& client : hanging) EXPECT_EQ(read_answer(*client).status, 200);
+}
+
 TEST_F(ServerTest, TurnsAwayTooManyConnections) {
   WebOptions small = options();
   small.max_connections = 2;
