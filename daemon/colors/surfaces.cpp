@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <deque>
 #include <numbers>
 #include <utility>
 
@@ -34,13 +35,17 @@ bool goes_on(const Color3& here, const Color3& there) {
 struct Place {
   std::size_t frame;
   int cell_x, cell_y;  // of the small image
-  Color3 color, chromaticity;
+  Color3 color;
   std::optional<std::array<Color3, 2>> beside;  // shares on both its sides, where it is as narrow as a line
+
+  Color3 chromaticity() const { return chromaticity_of(color); }
 };
 
+/// Many: a list that grows in one piece would take three times the memory for a moment.
+using Places = std::deque<Place>;
+
 /// Where most shares lie, to a fiftieth.
-std::optional<Color3> commonest(std::span<const Place> places,
-                                const std::function<bool(const Place&)>& counts) {
+std::optional<Color3> commonest(const Places& places, const std::function<bool(const Place&)>& counts) {
   constexpr int kBins = 50;
   std::vector<std::size_t> bins(std::size_t{kBins} * kBins);
   const auto bin_of = [](const Color3& chromaticity) {
@@ -48,7 +53,7 @@ std::optional<Color3> commonest(std::span<const Place> places,
     return static_cast<std::size_t>(bin(chromaticity[0]) * kBins + bin(chromaticity[1]));
   };
   for (const Place& place : places) {
-    if (counts(place)) ++bins[bin_of(place.chromaticity)];
+    if (counts(place)) ++bins[bin_of(place.chromaticity())];
   }
   // Of three by three bins, so that no border splits what belongs together.
   std::size_t most = 0;
@@ -68,9 +73,9 @@ std::optional<Color3> commonest(std::span<const Place> places,
   double count = 0;
   for (const Place& place : places) {
     if (!counts(place)) continue;
-    const auto bin = static_cast<int>(bin_of(place.chromaticity));
+    const auto bin = static_cast<int>(bin_of(place.chromaticity()));
     if (std::abs(bin / kBins - best / kBins) > 1 || std::abs(bin % kBins - best % kBins) > 1) continue;
-    sum += place.chromaticity;
+    sum += place.chromaticity();
     ++count;
   }
   return Color3(sum / count);
@@ -95,8 +100,8 @@ double sigma_of(const std::array<std::size_t, 256>& differences, std::size_t cou
   return 0.5;
 }
 
-std::vector<Place> find_places(const SurfaceSearch& search) {
-  std::vector<Place> out;
+Places find_places(const SurfaceSearch& search) {
+  Places out;
   for (std::size_t frame = 0; frame < search.frames.size(); ++frame) {
     const SmallPicture& picture = search.pictures[frame].finest();
     const int reach = std::max(1, static_cast<int>(0.15 * search.largest_dot_px / picture.cell_px()));
@@ -126,7 +131,7 @@ std::vector<Place> find_places(const SurfaceSearch& search) {
         const bool across = alike(away, 0), along = alike(0, away);
         if (!across && !along) continue;
         if (is_left_out(picture.pixel_of(x, y))) continue;
-        Place place{frame, x, y, here, chromaticity_of(here), {}};
+        Place place{frame, x, y, here, {}};
         if (across != along) {
           const int dx = across ? 0 : away, dy = across ? away : 0;
           const auto one = mean_at(x - dx, y - dy), other = mean_at(x + dx, y + dy);
@@ -335,7 +340,7 @@ std::vector<SurfaceColors::Color> SurfaceColors::colors(SurfaceKind kind) const 
 }
 
 SurfaceColors find_surfaces(const SurfaceSearch& search) {
-  const std::vector<Place> places = find_places(search);
+  const Places places = find_places(search);
   const auto carpet =
       search.carpet_chromaticity ? search.carpet_chromaticity : commonest(places, [&](const Place& place) {
         if (!search.on_carpet) return true;
@@ -345,7 +350,7 @@ SurfaceColors find_surfaces(const SurfaceSearch& search) {
   const auto like_carpet = [&](const Color3& chromaticity) {
     return carpet && (chromaticity - *carpet).norm() < kCarpetAlike;
   };
-  const auto is_carpet = [&](const Place& place) { return like_carpet(place.chromaticity); };
+  const auto is_carpet = [&](const Place& place) { return like_carpet(place.chromaticity()); };
   // White lines may have the colour of a grey floor, but have carpet on both sides.
   const auto is_line = [&](const Place& place) {
     return place.beside && like_carpet((*place.beside)[0]) && like_carpet((*place.beside)[1]);
@@ -353,7 +358,7 @@ SurfaceColors find_surfaces(const SurfaceSearch& search) {
   const auto floor =
       commonest(places, [&](const Place& place) { return !is_carpet(place) && !is_line(place); });
   const auto is_floor = [&](const Place& place) {
-    return floor && (place.chromaticity - *floor).norm() < kFloorAlike && !is_line(place);
+    return floor && (place.chromaticity() - *floor).norm() < kFloorAlike && !is_line(place);
   };
   const auto floor_places = std::count_if(
       places.begin(), places.end(), [&](const Place& place) { return !is_carpet(place) && is_floor(place); });

@@ -13,7 +13,7 @@ struct PatchLimits {
   std::size_t operations = 20'000;
   /// Values and bytes of text in the result; the same of all that the operations read and move, with the keys
   /// and elements that they pass on the way, together.
-  std::size_t size = 4'000'000, work = 10'000'000;
+  std::size_t size = 1'000'000, work = 10'000'000;
   std::size_t depth = 64;
 };
 

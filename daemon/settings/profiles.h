@@ -18,7 +18,7 @@ class StateFolder;
 
 /// Settings that were saved under a name.
 struct Profile {
-  static constexpr std::size_t kMaxSize = 4'000'000;  // as PatchLimits has it
+  static constexpr std::size_t kMaxSize = 1'000'000;  // as PatchLimits has it
 
   std::string name;
   double time_s = 0;  // Unix time when it was saved

@@ -109,9 +109,9 @@ std::vector<Route> BackupService::routes() {
   return {
       {"GET", "/api/backup", [this](const Request& request) { return get_backup(request); }, Needs::kChange},
       {"POST", "/api/backup/check", [this](const Request& request) { return check(request); }, Needs::kChange,
-       Speed::kMayWait, false, kMaxBackupBytes},
+       Speed::kTakesMemory, false, kMaxBackupBytes},
       {"POST", "/api/backup/restore", [this](const Request& request) { return restore(request); },
-       Needs::kByMethod, Speed::kMayWait, false, kMaxBackupBytes},
+       Needs::kByMethod, Speed::kTakesMemory, false, kMaxBackupBytes},
   };
 }
 
