@@ -4,6 +4,7 @@
 #include "support/becomes.h"
 #include "unit/web/fake_host.h"
 #include "web/http.h"
+#include "web/router.h"
 
 #include <atomic>
 #include <future>
