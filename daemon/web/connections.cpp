@@ -215,7 +215,8 @@ bool Connections::Seat::holds(std::size_t bytes, std::string& problem) {
       };
       fits = is_counted_ &&
              (is_trusted_ || make_room(group_->second, neighbours, kMaxUnsentBytesOfAddress)) &&
-             make_room(connections_.all_of(is_trusted_), peers, kMaxUnsentBytes);
+             make_room(connections_.all_of(is_trusted_), peers,
+                       is_trusted_ ? kMaxUnsentBytesOfTrusted : kMaxUnsentBytes);
     }
     if (fits) {
       if (before == 0) unmoved_since_s_ = connections_.now_s_();

@@ -37,7 +37,9 @@ class Connections {
   using Clock = std::function<double()>;  // steady, s
   static constexpr double kSendPatience_s = 5;
   static constexpr double kSendPatienceWithMany_s = 0.5;
-  static constexpr std::size_t kMaxUnsentBytes = 12 * 1024 * 1024, kMaxUnsentBytesOfAddress = 6 * 1024 * 1024;
+  static constexpr std::size_t kMaxUnsentBytes = std::size_t{16} << 20U,
+                               kMaxUnsentBytesOfAddress = std::size_t{8} << 20U,
+                               kMaxUnsentBytesOfTrusted = std::size_t{24} << 20U;
   /// As much each connection may have, so that who only asks whether all is well always gets an answer.
   static constexpr std::size_t kAlwaysSentBytes = 16 * 1024;
 

@@ -197,7 +197,7 @@ TEST_F(ConnectionsTest, WhatWaitsForAllHasALimit) {
 }
 
 TEST_F(ConnectionsTest, WhoTakesNothingMakesRoomForOthers) {
-  const auto slow = connect_many(12);
+  const auto slow = connect_many(static_cast<int>(Connections::kMaxUnsentBytes / (2 * kMiB)));
   for (const auto& one : slow) ASSERT_TRUE(one->seat->holds(2 * kMiB, problem_));
   const auto other = connect("192.0.2.1");
   EXPECT_FALSE(other->seat->holds(kMiB, problem_)) << "it may be a moment before an answer has left";

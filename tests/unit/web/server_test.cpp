@@ -380,7 +380,8 @@ TEST_F(ServerTest, NobodyListensToMuchOfWhoMayNotChangeAnything) {
 TEST_F(ServerTest, AnswersThatNobodyTakesHaveALimit) {
   constexpr std::size_t kBytes =
       6 * 1024 * 1024;  // more than the system takes for a client that reads nothing
-  constexpr int kClients = 40, kMostWaiting = static_cast<int>(Connections::kMaxUnsentBytes / kBytes);
+  constexpr int kClients = 40,
+                kMostWaiting = static_cast<int>(Connections::kMaxUnsentBytesOfTrusted / kBytes);
   daemon_.set_file(std::vector<std::uint8_t>(kBytes, 7));
   {
     std::vector<std::unique_ptr<Client>> slow;
@@ -401,7 +402,8 @@ TEST_F(ServerTest, AnswersThatNobodyTakesHaveALimit) {
 }
 
 TEST_F(ServerTest, BodiesThatDoNotComeHaveALimit) {
-  constexpr int kClients = 40, kMostWaiting = static_cast<int>(Connections::kMaxUnsentBytes / kMaxBodyBytes);
+  constexpr int kClients = 40,
+                kMostWaiting = static_cast<int>(Connections::kMaxUnsentBytesOfTrusted / kMaxBodyBytes);
   std::vector<std::unique_ptr<Client>> half;
   for (int i = 0; i < kClients; ++i) {
     half.push_back(std::make_unique<Client>(server_.port()));

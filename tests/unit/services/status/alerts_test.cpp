@@ -277,6 +277,7 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   recording.refused = 101;
   recording.lost = 1;
   recording.refused = 1000;
+  recording.cut = 101;
   recording.problem = "the disk is full";
   report_recording(recording, left_out);
   recording.problem.clear();
