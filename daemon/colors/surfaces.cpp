@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <deque>
+#include <memory>
 #include <numbers>
 #include <utility>
 
@@ -36,7 +37,7 @@ struct Place {
   std::size_t frame;
   int cell_x, cell_y;  // of the small image
   Color3 color;
-  std::optional<std::array<Color3, 2>> beside;  // shares on both its sides, where it is as narrow as a line
+  std::unique_ptr<std::array<Color3, 2>> beside{};  // shares on both its sides, if it is as narrow as a line
 
   Color3 chromaticity() const { return chromaticity_of(color); }
 };
@@ -131,11 +132,13 @@ Places find_places(const SurfaceSearch& search) {
         const bool across = alike(away, 0), along = alike(0, away);
         if (!across && !along) continue;
         if (is_left_out(picture.pixel_of(x, y))) continue;
-        Place place{frame, x, y, here, {}};
+        Place place{frame, x, y, here};
         if (across != along) {
           const int dx = across ? 0 : away, dy = across ? away : 0;
           const auto one = mean_at(x - dx, y - dy), other = mean_at(x + dx, y + dy);
-          if (one && other) place.beside = {chromaticity_of(*one), chromaticity_of(*other)};
+          if (one && other)
+            place.beside = std::make_unique<std::array<Color3, 2>>(
+                std::array{chromaticity_of(*one), chromaticity_of(*other)});
         }
         out.push_back(std::move(place));
       }

@@ -37,7 +37,7 @@ class Connections {
   using Clock = std::function<double()>;  // steady, s
   static constexpr double kSendPatience_s = 5;
   static constexpr double kSendPatienceWithMany_s = 0.5;
-  static constexpr std::size_t kMaxUnsentBytes = std::size_t{16} << 20U,
+  static constexpr std::size_t kMaxUnsentBytes = std::size_t{12} << 20U,
                                kMaxUnsentBytesOfAddress = std::size_t{8} << 20U,
                                kMaxUnsentBytesOfTrusted = std::size_t{24} << 20U;
   /// As much each connection may have, so that who only asks whether all is well always gets an answer.

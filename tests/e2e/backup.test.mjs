@@ -210,14 +210,14 @@ describe('a backup', () => {
   });
 
   it('is refused where it is too large', async () => {
-    await refuses(Buffer.alloc(16 * MIB + 1), /^the body is larger than 16 MiB$/, 413);
+    await refuses(Buffer.alloc(8 * MIB + 1), /^the body is larger than 8 MiB$/, 413);
     const bomb = packed(new Map(partsOf(backup)).set('settings.json', Buffer.alloc(33 * MIB, 0x20)));
     assert.ok(bomb.length < MIB);
-    await refuses(bomb, /^this is not a complete backup: unpacked, it is larger than 32 MiB$/);
+    await refuses(bomb, /^this is not a complete backup: unpacked, it is larger than 24 MiB$/);
     const file = join(first.folder, 'large.sslvision');
-    writeFileSync(file, Buffer.alloc(16 * MIB + 1));
+    writeFileSync(file, Buffer.alloc(8 * MIB + 1));
     const { status, stderr } = ctl(spare, 'restore', file);
-    assert.deepEqual([status, stderr], [1, `ssl-visionctl: ${file}: has ${16 * MIB + 1} bytes; expected a backup, of 16 MiB at most\n`]);
+    assert.deepEqual([status, stderr], [1, `ssl-visionctl: ${file}: has ${8 * MIB + 1} bytes; expected a backup, of 8 MiB at most\n`]);
   });
 
   it('is refused as a whole when the disk does not take it', async () => {

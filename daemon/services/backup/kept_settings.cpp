@@ -42,7 +42,7 @@ KeptSettings read_kept_settings(const std::string& text) {
     throw SettingsError(fmt::format("{}: {}", kSettingsName, why));
   };
   // Less than of other JSON: settings are copied twice while they are checked.
-  constexpr std::size_t kMaxBytes = 12 * 1024 * 1024;
+  constexpr std::size_t kMaxBytes = 8 * 1024 * 1024;
   KeptSettings out;
   try {
     Json json = parse_bounded_json(text, kMaxBytes);

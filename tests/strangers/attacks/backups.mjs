@@ -78,14 +78,14 @@ export const FORGED = {
   'many small files': () => gzipSync(tar(Array.from({ length: 20_000 }, (_, i) => [`${i}`, Buffer.alloc(0)]))),
   'settings of lists': () => backup([['settings.json', `[${repeated('[],', 8 * MIB)}0]`]]),
   'settings of empty texts': () => backup([['settings.json', `{"version":2,"revision":1,"history":[],"settings":{"site":[${repeated('"",', 8 * MIB)}""]}}`]]),
-  'settings that just fit': () => backup([['settings.json', `{"version":2,"revision":1,"history":[],"settings":{"site":[${repeated('[],', 580_000)}0]}}`]]),
+  'settings that just fit': () => backup([['settings.json', `{"version":2,"revision":1,"history":[],"settings":{"site":[${repeated('[],', 386_000)}0]}}`]]),
   'profiles of nothing': () => backup([settings, ['profiles.json', `{"profiles":[${repeated('{},', 8 * MIB)}{}]}`]]),
   'profiles that just fit': () => backup([settings, ['profiles.json', `{"profiles":[${repeated('{},', 780_000)}{}]}`]]),
   'calibrations of numbers': () => backup([settings, ['calibrations.json', `[${repeated('0,', 8 * MIB)}0]`]]),
   '2000 tables': () => backup(Array.from({ length: 2000 }, (_, i) => Buffer.concat([table, Buffer.from([i & 255, i >> 8])])).map((bytes) => [`tables/${sumOf(bytes).slice(0, 16)}.lut`, bytes])),
-  'large tables': (random) => backup([settings, ...tables(random, 2 * MIB, 7 * MIB)]),
-  // 16 MiB as it is sent, 32 MiB unpacked: all that a backup may have.
-  'tables that just fit': (random) => backup([settings, ...tables(random, 5.3 * MIB, 5.3 * MIB)]),
+  'large tables': (random) => backup([settings, ...tables(random, MIB, 6.5 * MIB)]),
+  // 8 MiB as it is sent, 24 MiB unpacked: all that a backup may have.
+  'tables that just fit': (random) => backup([settings, ...tables(random, 2.6 * MIB, 5.3 * MIB)]),
   'bytes that are packed': (random) => gzipSync(random.bytes(MIB)),
   'bytes that are none': (random) => random.bytes(MIB),
 };
