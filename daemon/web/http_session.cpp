@@ -185,6 +185,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     const Speed speed =
         size > kLargeRequestBytes ? Speed::kTakesMemory : context_.router.speed_of(method, target);
     auto work = [self = shared_from_this(), request = std::exchange(received_, std::move(following))] {
+      if (self->context_.workers.stopped()) return;  // a strand hands out all that waits in it
       HttpAnswer answer = self->context_.router.answer(request, self->remote_address_);
       asio::post(self->stream_.get_executor(),
                  [self, answer = std::move(answer)]() mutable { self->answer(std::move(answer)); });

@@ -11,6 +11,7 @@ import { after, afterEach, before, beforeEach, describe, it } from 'node:test';
 import { promisify } from 'node:util';
 import { gunzipSync } from 'node:zlib';
 import { gameController } from './league_messages.mjs';
+import { tracked as strangersTracks } from '../strangers/wire.mjs';
 import { becomes, createService, freeUdpPort, listenTo, root } from './service.mjs';
 
 const GROUP = '239.255.77.95', TRACKER_GROUP = '239.255.77.96', GC_GROUP = '239.255.77.97';
@@ -305,6 +306,19 @@ describe('match logs', () => {
     const { alerts } = await service.statusBecomes(({ alerts: now }) => now.some(({ id }) => id === 'recording_refused'));
     assert.equal(alerts.filter(({ id }) => id.startsWith('recording_')).length, 1);
     assert.match(alerts.find(({ id }) => id === 'recording_refused').title, /^The match log leaves out \d+ datagrams /);
+    assert.deepEqual((await logs()).map((log) => log.name).sort(), [...older, name]);
+
+    // With so little room left, also of what is the league's strangers have no more taken than is ours.
+    let frame = 0;
+    const flood = setInterval(() => {
+      for (let i = 0; i < 20; i++) gc.send(strangersTracks({ uuid: 'stranger'.repeat(150), frame: ++frame }), service.settings.network.tracker.port, TRACKER_GROUP);
+    }, 10);
+    try {
+      await service.statusBecomes(({ alerts: now }) => now.some(({ id }) => id === 'recording_cut'));
+    } finally {
+      clearInterval(flood);
+    }
+    assert.ok((await state()).messages.tracked > tracked + 30);
     assert.deepEqual((await logs()).map((log) => log.name).sort(), [...older, name]);
 
     // All of the quota is pinned: the match is recorded to its end, and what was recorded stays.

@@ -11,6 +11,8 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -65,9 +67,15 @@ void read_all(const std::string& name, std::size_t file_bytes) {
   std::size_t of_cameras = 0;
   for (const ClipReader::Camera& camera : reader.cameras()) of_cameras += camera.frames.size();
   expect(of_cameras == reader.entries().size(), "a frame of no camera");
+  // By time, but for a camera's frames after a clock was set back.
+  std::map<std::uint32_t, double> latest_s;
+  double before_s = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < reader.entries().size(); ++i) {
-    expect(i == 0 || reader.entries()[i - 1].t_capture_s <= reader.entries()[i].t_capture_s,
-           "not in the order of capture");
+    const ClipReader::Entry& entry = reader.entries()[i];
+    double& now_s = latest_s.emplace(entry.camera_id, entry.t_capture_s).first->second;
+    now_s = std::max(now_s, entry.t_capture_s);
+    expect(before_s <= now_s, "not in the order of capture");
+    before_s = now_s;
     try {
       const ClipFrame& frame = reader.read(i);
       expect(frame.setup < reader.setup_count(), "a setup that is not there");

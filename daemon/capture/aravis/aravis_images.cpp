@@ -115,10 +115,11 @@ SentPicture AravisBufferReader::picture_in(ArvBuffer* buffer, std::string& probl
     problem = text_of(status);
     return lacks_packets && use_incomplete_ ? damaged_picture_in(buffer) : SentPicture{};
   }
-  const ArvBufferPayloadType payload = arv_buffer_get_payload_type(buffer);
+  // A number as the sender's leader has it, which the library's type need not have.
+  const int payload = arv_buffer_get_payload_type(buffer);
   if (payload != ARV_BUFFER_PAYLOAD_TYPE_IMAGE && payload != ARV_BUFFER_PAYLOAD_TYPE_EXTENDED_CHUNK_DATA &&
       payload != ARV_BUFFER_PAYLOAD_TYPE_MULTIPART) {
-    problem = fmt::format("it holds no image but payload type {}", static_cast<int>(payload));
+    problem = fmt::format("it holds no image but payload type {}", payload);
     return {};
   }
   // Of several parts it is the first.

@@ -145,7 +145,8 @@ std::string write_backup(Backup backup, const std::stop_token& stop) {
   std::string bytes = tar_gz(entries, static_cast<std::time_t>(from.time_s), stop);
   if (size > kMaxUnpackedBackupBytes || bytes.size() > kMaxBackupBytes) {
     throw StorageError(
-        fmt::format("the backup would be larger than {} MiB, or {} MiB unpacked; delete profiles",
+        fmt::format("the backup would be larger than {} MiB, or {} MiB unpacked; delete profiles, or tables "
+                    "that no camera uses",
                     kMaxBackupBytes >> 20U, kMaxUnpackedBackupBytes >> 20U));
   }
   return bytes;

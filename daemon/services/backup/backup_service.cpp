@@ -107,7 +107,8 @@ BackupService::BackupService(StateFolder& folder, SettingsEditor& settings, Pass
 
 std::vector<Route> BackupService::routes() {
   return {
-      {"GET", "/api/backup", [this](const Request& request) { return get_backup(request); }, Needs::kChange},
+      {"GET", "/api/backup", [this](const Request& request) { return get_backup(request); }, Needs::kChange,
+       Speed::kTakesMemory},
       {"POST", "/api/backup/check", [this](const Request& request) { return check(request); }, Needs::kChange,
        Speed::kTakesMemory, false, kMaxBackupBytes},
       {"POST", "/api/backup/restore", [this](const Request& request) { return restore(request); },

@@ -67,7 +67,10 @@ void MatchLogRecorder::pause(bool is_paused) {
 
 void MatchLogRecorder::cut_strangers(bool cuts) {
   const std::lock_guard lock(mutex_);
-  cuts_strangers_ = cuts;
+  if (!std::exchange(cuts_strangers_, cuts)) {
+    ours_before_cut_ = status_.ours_bytes;
+    strangers_before_cut_ = status_.strangers_bytes;
+  }
 }
 
 void MatchLogRecorder::end() {
@@ -101,7 +104,9 @@ void MatchLogRecorder::take(Group& group, const boost::asio::ip::udp::endpoint& 
     return;
   }
   const std::uint64_t bytes = datagram.size() + kMessageHeaderBytes;
-  if (!is_ours && cuts_strangers_ && status_.strangers_bytes + bytes > status_.ours_bytes) {
+  const std::uint64_t ours_bytes = status_.ours_bytes - ours_before_cut_,
+                      strangers_bytes = status_.strangers_bytes - strangers_before_cut_;
+  if (!is_ours && cuts_strangers_ && strangers_bytes + bytes > ours_bytes) {
     ++status_.cut;
     return;
   }

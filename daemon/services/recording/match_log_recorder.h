@@ -61,8 +61,8 @@ class MatchLogRecorder {
   void begin(const std::filesystem::path& file);
   /// Nothing is taken in while it is paused.
   void pause(bool is_paused);
-  /// There is little room: strangers' messages are taken only as far as there are no more of them than of
-  /// ours, in bytes. Until begin().
+  /// There is little room: from now on strangers' messages are taken only as far as there are no more of them
+  /// than of ours, in bytes. Until begin().
   void cut_strangers(bool cuts);
   /// When it returns, the file is complete; or problem() says why not.
   void end();
@@ -102,7 +102,8 @@ class MatchLogRecorder {
   Waiting waiting_;
   bool ends_ = false;
   bool cuts_strangers_ = false;
-  std::unique_ptr<MatchLogWriter> writer_;  // given to the thread while it records
+  std::uint64_t ours_before_cut_ = 0, strangers_before_cut_ = 0;  // bytes
+  std::unique_ptr<MatchLogWriter> writer_;                        // given to the thread while it records
 
   std::jthread thread_;
   struct Group {

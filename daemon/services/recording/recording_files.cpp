@@ -24,8 +24,10 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxName = 200;
 constexpr int kMaxOfOneName = 1000;
-/// Of the quota and of the free disk, that clips leave to match logs, and strangers to what is ours.
+/// Of the quota and of the free disk, that clips leave to match logs.
 constexpr int kReserve_mb = 200;
+/// Likewise that strangers leave to what is ours: what they send between two looks, and little more.
+constexpr int kStrangersReserve_mb = 50;
 /// Between two tries to read a recording that cannot be read.
 constexpr double kFirstRetry_s = 10, kLastRetry_s = 600;
 constexpr const char* kClipEnding = ".clip";
@@ -239,8 +241,7 @@ Room RecordingFiles::make_room(const RecordingSettings& settings, RoomFor whom, 
   const std::lock_guard one_at_a_time(room_mutex_);
   // A match log must never end because a clip took the last of the room; where they have little room anyway,
   // little of it is held back.
-  const int logs_reserve_mb = std::min(kReserve_mb, settings.quota_mb / 4);
-  const int reserve_mb = whom == RoomFor::kMatchLog ? 0 : logs_reserve_mb;
+  const int reserve_mb = whom == RoomFor::kMatchLog ? 0 : std::min(kReserve_mb, settings.quota_mb / 4);
   const std::uint64_t quota = static_cast<std::uint64_t>(settings.quota_mb - reserve_mb) * kMb;
   const std::uint64_t keep_free =
       (static_cast<std::uint64_t>(settings.keep_free_mb) + static_cast<std::uint64_t>(reserve_mb)) * kMb;
@@ -260,13 +261,15 @@ Room RecordingFiles::make_room(const RecordingSettings& settings, RoomFor whom, 
     gained = 0;
     goes.clear();
   }
-  Room room{.is_scarce = takes - gained + static_cast<std::uint64_t>(logs_reserve_mb) * kMb >
-                         static_cast<std::uint64_t>(settings.quota_mb) * kMb};
+  const std::uint64_t reserve =
+      static_cast<std::uint64_t>(std::min(kStrangersReserve_mb, settings.quota_mb / 4)) * kMb;
+  Room room{.is_scarce = takes - gained + reserve > quota || use.free_bytes + gained < keep_free + reserve};
   if (takes - gained > quota)
     room.problem = fmt::format(
         "recordings {} {} MB, and may take {} MB (/recording/quota_mb); no more of them can be removed",
         wanted_bytes > 0 ? "would take" : "take", takes / kMb, quota / kMb);
-  if (!room.problem.empty() && whom != RoomFor::kMatchLog) throw StorageError(room.problem);
+  // A clip may come beside what strangers put into the newest log.
+  if (counted - gained > quota && whom != RoomFor::kMatchLog) throw StorageError(room.problem);
   if (use.free_bytes + gained < keep_free + wanted_bytes)
     throw StorageError(
         fmt::format("only {} MB of the disk are free, of which recordings leave {} MB "

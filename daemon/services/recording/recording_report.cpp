@@ -60,7 +60,8 @@ void report_recording(const RecordingFacts& facts, HealthReport& report) {
              "The match log leaves out {} messages of computers that the settings do not name: there is "
              "little room left for recordings",
              facts.cut),
-         "Delete or download recordings, or name the computers (Settings, field, other_computers).");
+         "Delete recordings, or let them take more of the disk (Settings, recording), or name the computers "
+         "(Settings, field, other_computers).");
   }
   Check check{"recording", "Match log", CheckState::kPass, kNoFigure, "", ""};
   if (facts.is_recording) {
