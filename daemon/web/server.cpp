@@ -130,6 +130,7 @@ class Listener {
       std::promise<void> moved;
       asio::post(io_, [&] {
         pause_.cancel();
+        serve_those_that_wait();
         acceptor_ = std::move(*next);
         port_ = acceptor_.local_endpoint().port();
         accept();
@@ -148,6 +149,17 @@ class Listener {
       done.set_value();
     });
     done.get_future().wait();
+  }
+
+  /// Clients that the system has connected: closing the socket would reset them.
+  void serve_those_that_wait() {
+    error_code error;
+    acceptor_.non_blocking(true, error);
+    for (int i = 0; i < asio::socket_base::max_listen_connections && error != asio::error::would_block; ++i) {
+      tcp::socket socket(io_);
+      acceptor_.accept(socket, error);
+      if (!error) serve_(std::move(socket));
+    }
   }
 
   void accept() {

@@ -149,7 +149,12 @@ class FakeHost : public Gate, public ViewSource, public Topic {
         {"GET", "/api/file/([^/]+)", [this](const Request&) { return bytes_response(file_); }},
         {"GET", "/api/hangs",
          [this](const Request&) {
+           const int hanging = ++now_hanging_;
+           for (int most = most_hanging_;
+                most < hanging && !most_hanging_.compare_exchange_weak(most, hanging);) {
+           }
            let_go_.wait_for(test::kPatience);
+           --now_hanging_;
            return text_response("");
          }},
         {"PUT", "/api/names/(.+)",
@@ -174,6 +179,8 @@ class FakeHost : public Gate, public ViewSource, public Topic {
   void set_file(std::vector<std::uint8_t> bytes) { file_ = std::move(bytes); }
   /// Lets the handler of GET /api/hangs return.
   void let_go() { hanging_.set_value(); }
+  /// How many of these there were at once.
+  int most_hanging() const { return most_hanging_; }
 
  private:
   Response patch(const Request& request) {
@@ -200,6 +207,7 @@ class FakeHost : public Gate, public ViewSource, public Topic {
   std::atomic<bool> game_is_running_ = false;
   std::vector<std::uint8_t> file_{1, 2, 3};
   std::promise<void> hanging_;
+  std::atomic<int> now_hanging_ = 0, most_hanging_ = 0;
   const std::shared_future<void> let_go_{hanging_.get_future()};
 };
 

@@ -504,6 +504,7 @@ TEST_F(ServerTest, LargeRequestsTakeOneWorkerAtMost) {
   EXPECT_EQ(ask(other, "GET", "/api/schema").status, 200);
   daemon_.let_go();
   for (const auto& client : hanging) EXPECT_EQ(read_answer(*client).status, 200);
+  EXPECT_EQ(daemon_.most_hanging(), 1);
 }
 
 TEST_F(ServerTest, TurnsAwayTooManyConnections) {
@@ -581,6 +582,35 @@ TEST_F(ServerTest, AnAddressThatCannotBeListenedOnIsOneClearLine) {
   EXPECT_THAT(refusal(elsewhere), StartsWith("for now: /panel/address: \"192.0.2.1\" cannot be listened on"));
   elsewhere.address = "localhost";
   EXPECT_THAT(refusal(elsewhere), StartsWith("/panel/address: \"localhost\" is not allowed"));
+}
+
+/// As the panel does when a password is set: clients that have connected meanwhile are served.
+TEST_F(ServerTest, ItMovesWithoutLosingThoseThatWait) {
+  struct SlowHost : FakeHost {
+    bool is_trusted(const std::string& address) override {
+      if (is_slow.exchange(false)) {
+        came.set_value();
+        goes_on.get_future().wait();
+      }
+      return FakeHost::is_trusted(address);
+    }
+    std::atomic<bool> is_slow = false;
+    std::promise<void> came, goes_on;
+  } host;
+  WebServer server(host.parts(), options(), counters_);
+  const std::function<void()> move = server.move_to("0.0.0.0", server.port());
+  host.is_slow = true;
+  const Client first(server.port());
+  host.came.get_future().wait();
+  const auto moved = std::async(std::launch::async, move);
+  std::vector<std::unique_ptr<Client>> waiting;
+  for (int i = 0; i < 8; ++i) {
+    waiting.push_back(std::make_unique<Client>(server.port()));
+    waiting.back()->send(request_text("GET", "/healthz"));
+  }
+  host.goes_on.set_value();
+  moved.wait();
+  for (const auto& client : waiting) EXPECT_EQ(read_answer(*client).status, 200);
 }
 
 TEST_F(ServerTest, StopsWithClientsConnected) {
