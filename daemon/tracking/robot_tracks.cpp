@@ -99,28 +99,33 @@ void RobotTracks::note_sight(const RobotObservation& seen) {
   sight.seen_s = seen.t_s;
 }
 
-const RobotTrack* RobotTracks::seen_by_own(const RobotName& name, double t_s) const {
+bool RobotTracks::is_seen_steadily(const RobotName& name) const {
   // Patterns misread now and then are not to keep a robot from where another computer sees it all the time.
   constexpr int kOld = 30;  // it is known by then how often it is seen
-  constexpr double kSteady = 7, kHeldUp_s = 2;
-  const auto known = own_.find(name);
+  constexpr double kSteady = 7;
   const auto sight = sights_.find(name);
-  if (known == own_.end() || sight == sights_.end()) return nullptr;
-  if (sight->second.sightings < kOld || sight->second.every > kSteady) return nullptr;
+  return sight != sights_.end() && sight->second.sightings >= kOld && sight->second.every <= kSteady;
+}
+
+const RobotTrack* RobotTracks::seen_by_own(const RobotName& name, double t_s) const {
+  constexpr double kHeldUp_s = 2;
+  const auto known = own_.find(name);
+  if (known == own_.end() || !is_seen_steadily(name)) return nullptr;
   const RobotTrack& own = known->second;
-  const Looks& looks = looks_.at(sight->second.camera);
+  const Looks& looks = looks_.at(sights_.at(name).camera);
   // A camera that takes no images is held up, and after a while it is gone.
   const bool is_seen = looks.taken_s[looks.newest] - own.seen_s() < RobotTrack::kGone_s &&
                        std::abs(t_s - own.seen_s()) < kHeldUp_s;
   return is_seen ? &own : nullptr;
 }
 
-/// It begins where the robot is: of two with its id, the one that was first stays.
+/// It begins where the robot is: of two with its id, the one that was first stays. But what another computer
+/// made of a robot while this one's cameras were held up is not where it is.
 void RobotTracks::add_own(const RobotObservation& seen, const RobotTrack::Circumstances& now, bool is_taken) {
   const auto known = own_.find(seen.name);
   if (known != own_.end() && std::abs(seen.t_s - known->second.seen_s()) < RobotTrack::kGone_s) {
     add_to(known->second, seen, now);
-  } else if (is_taken) {
+  } else if (is_taken || is_seen_steadily(seen.name)) {
     own_.insert_or_assign(seen.name, RobotTrack(seen));
   }
 }

@@ -42,7 +42,9 @@ class RobotTracks {
   std::map<RobotName, RobotTrack> tracks;
 
  private:
-  /// The same robot as this computer's cameras alone see it; null: not steadily.
+  /// By this computer's cameras, as far as they took images.
+  bool is_seen_steadily(const RobotName& name) const;
+  /// The same robot as this computer's cameras alone see it; null: not steadily, or not lately.
   const RobotTrack* seen_by_own(const RobotName& name, double t_s) const;
   /// As RobotTrack::add(); resets a filter that is not finite.
   bool add_to(RobotTrack& track, const RobotObservation& seen, const RobotTrack::Circumstances& now,

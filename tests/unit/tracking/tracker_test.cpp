@@ -308,6 +308,25 @@ TEST_F(RobotOfTwoComputers, IsLeftToTheOtherOneWhenThisOnesCamerasAreGone) {
   }
 }
 
+TEST_F(RobotOfTwoComputers, IsTakenBackWhenThisOnesCamerasWereHeldUpForLong) {
+  for (const double interval_s : {0.0125, 0.2}) {
+    tracker_ = {};
+    for (int i = 0; i < 40; ++i) see(1000);
+    for (int i = 0; i < 300; ++i) they_see(-2000);
+    EXPECT_NEAR(x_mm(), -2000, 1);
+    for (int image = 0; image < 10; ++image) {
+      see(1000);
+      for (double passed_s = 0; passed_s < interval_s; passed_s += 0.0125) {
+        they_see(-2000);
+        if (now()) {  // at first it begins again
+          ASSERT_NEAR(x_mm(), 1000, 1) << interval_s << " " << image;
+        }
+      }
+    }
+    EXPECT_TRUE(now());
+  }
+}
+
 TEST_F(RobotOfTwoComputers, DrivesOnToWhereOnlyTheOtherOneSeesIt) {
   for (int i = 0; i < 80; ++i) {
     see(1000 + 40 * i);
