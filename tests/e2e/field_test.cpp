@@ -12,6 +12,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -221,9 +222,9 @@ TEST_F(Field, ItsStackIsCheckedAndChangedWhileItRuns) {
   EXPECT_EQ(after_images(10).at("packets_sent"), off.at("packets_sent"));
 }
 
-/// What other computers' cameras say is nonsense, all of it at least a metre from where our robots are. How
-/// often our cameras see them is the computer's affair: they see the whole field, and robots that stand:
-/// whatever moves one is the stranger.
+/// What other computers' cameras say is nonsense, all of it at least a metre from where our robots are. Ours
+/// see the whole field, and robots that stand: whatever moves one is the stranger. Only while they look: a
+/// busy computer holds them up, and then another computer may be the only one that knows.
 TEST_F(Field, ForeignNonsenseHarmsNoTrack) {
   settings_["field"]["other_computers"] = Json::array({"127.0.0.1"});  // by an admin who is wrong
   for (Json& camera : settings_["cameras"]) {
@@ -257,7 +258,21 @@ TEST_F(Field, ForeignNonsenseHarmsNoTrack) {
   const SimulatedWorld world = simulated_world(read_config(settings_));
   double worst_mm = 0;
   int compared = 0, strangers = 0;
+  std::map<std::uint32_t, double> looked_s;  // our cameras, last
   const auto compare = [&](const TrackedFrame& frame) {
+    while (const auto datagram = listener_.receive(1)) {
+      SSL_WrapperPacket heard;
+      if (!heard.ParseFromString(*datagram) || !heard.has_detection()) continue;
+      const SSL_DetectionFrame& image = heard.detection();
+      // The stranger's images are of another year.
+      if (std::abs(image.t_capture() - frame.timestamp()) < 1e5)
+        looked_s[image.camera_id()] = image.t_capture();
+    }
+    constexpr double kLately_s = 1;
+    if (looked_s.size() < 2 || std::ranges::any_of(looked_s, [&](const auto& camera) {
+          return frame.timestamp() - camera.second > kLately_s;
+        }))
+      return;
     const SimulatedScene truth = world.at(frame.timestamp());
     for (const auto& robot : frame.robots()) {
       const auto one = std::ranges::find_if(truth.robots, [&](const SimulatedRobot& known) {
