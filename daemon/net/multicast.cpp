@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "net/multicast.h"
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "base/params_json.h"
 #include "net/network_cards.h"
@@ -231,13 +232,20 @@ std::string MulticastSender::error_text(const Words& words) const {
 bool MulticastSender::is_own(const udp::endpoint& sender) const {
   const std::uint32_t ports = own_ports_;
   if (sender.port() != (ports & 0xFFFF) && sender.port() != ports >> 16) return false;
-  const std::uint32_t address = sender.address().is_v4() ? sender.address().to_v4().to_uint() : 0;
-  if (address != 0 && address == own_address_) return true;
-  const std::vector<NetworkCard> cards = network_cards();
-  const bool is_own = std::any_of(cards.begin(), cards.end(), [&](const NetworkCard& card) {
-    return std::find(card.addresses.begin(), card.addresses.end(), sender.address()) != card.addresses.end();
-  });
-  if (is_own) own_address_ = address;
+  if (!sender.address().is_v4()) return false;
+  const auto is_in = [address = sender.address().to_v4()](const auto& addresses) {
+    return std::find(addresses.begin(), addresses.end(), address) != addresses.end();
+  };
+  if (is_in(*own_addresses_.load())) return true;
+  constexpr double kPause_s = 0.05;
+  const double now_s = steady_s();
+  if (now_s < asks_again_s_) return false;
+  asks_again_s_ = now_s + kPause_s;
+  std::vector<boost::asio::ip::address_v4> addresses;
+  for (const NetworkCard& card : network_cards())
+    addresses.insert(addresses.end(), card.addresses.begin(), card.addresses.end());
+  const bool is_own = is_in(addresses);
+  own_addresses_.store(std::move(addresses));
   return is_own;
 }
 

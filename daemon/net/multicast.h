@@ -15,6 +15,7 @@
 #include <thread>
 #include <tuple>
 #include <utility>  // before Asio of Boost 1.74, which uses std::exchange without it
+#include <vector>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
@@ -87,7 +88,8 @@ class MulticastSender {
   bool send(std::span<const std::byte> packet) noexcept;
 
   /// Whether a packet with this sender's address came from here, also when the socket was reopened since.
-  /// Asks the system for this computer's addresses only where the last own packet came from another one.
+  /// Asks the system for this computer's addresses only where this is none of those that it had, and seldom:
+  /// anybody can send from a port of the same number.
   bool is_own(const boost::asio::ip::udp::endpoint& sender) const;
 
   /// Does not wait for a socket being opened.
@@ -137,7 +139,10 @@ class MulticastSender {
   // Local ports of the socket and, in the upper half, of the one before it, whose packets may be on their
   // way.
   std::atomic<std::uint32_t> own_ports_{0};
-  mutable std::atomic<std::uint32_t> own_address_{0};  // that is_own() found last
+  // What is_own() found last, and when it may ask again (steady).
+  mutable Snapshot<std::vector<boost::asio::ip::address_v4>> own_addresses_{
+      std::vector<boost::asio::ip::address_v4>{}};
+  mutable std::atomic<double> asks_again_s_{0};
 
   std::jthread watcher_;  // last, so that it ends before what it uses
 };
