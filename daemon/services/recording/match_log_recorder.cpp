@@ -19,6 +19,12 @@ std::int64_t now_ns() {
 
 }  // namespace
 
+double MatchLogRecorder::Status::counted_share() const {
+  if (ours_bytes == 0) return 1;
+  const auto ours = static_cast<double>(ours_bytes), strangers = static_cast<double>(strangers_bytes);
+  return (ours + std::min(ours, strangers)) / (ours + strangers);
+}
+
 MatchLogRecorder::MatchLogRecorder(IsOurs is_ours)
     : is_ours_(std::move(is_ours)),
       thread_([this](const std::stop_token& stop) { keep_writing(stop); }),

@@ -45,6 +45,10 @@ class MatchLogRecorder {
     std::uint64_t cut = 0;      // of strangers, when there was little room
     std::uint64_t ours_bytes = 0, strangers_bytes = 0;  // taken, before they are packed
     std::string problem;                                // why it ended early; empty: it did not
+
+    /// Of the log's bytes, what other recordings may go for: strangers' only as far as there are no more of
+    /// them than of ours, or all where nothing is ours.
+    double counted_share() const;
   };
 
   /// Whether messages of that type from there are the field's own; otherwise a stranger sends them. Called

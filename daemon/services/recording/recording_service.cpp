@@ -39,14 +39,6 @@ MatchLogGroups match_log_groups(const Config& config) {
   return groups;
 }
 
-/// Of a log's bytes: strangers make no more room go than what is ours. All, where nothing is ours.
-double counted_share(const MatchLogRecorder::Status& status) {
-  if (status.ours_bytes == 0) return 1;
-  const auto ours = static_cast<double>(status.ours_bytes),
-             strangers = static_cast<double>(status.strangers_bytes);
-  return (ours + std::min(ours, strangers)) / (ours + strangers);
-}
-
 /// Does it now and at such intervals until it is told to stop.
 template <class Act>
 void repeat(std::chrono::milliseconds interval, const std::stop_token& stop, Act act) {
@@ -187,7 +179,7 @@ void RecordingService::check_disk() {
   const std::lock_guard control(control_mutex_);
   std::string problem, quota_problem;
   if (const Recording now = recording(); now.started_by != StartedBy::kNobody)
-    files_.count(now.name(), counted_share(recorder_.status()));
+    files_.count(now.name(), recorder_.status().counted_share());
   try {
     Room room = files_.make_room(config_.load()->recording, RoomFor::kMatchLog, events_);
     recorder_.cut_strangers(room.is_scarce);
