@@ -60,7 +60,8 @@ std::vector<Route> AccessService::routes() {
       {"POST", "/api/session", call(&AccessService::sign_in), Needs::kNothing,
        Speed::kTakesMemory},  // 16 MiB for a password's hash
       {"DELETE", "/api/session", call(&AccessService::sign_out), Needs::kNothing},
-      {"PUT", "/api/passwords/([^/]+)", call(&AccessService::set_password), Needs::kChange},
+      {"PUT", "/api/passwords/([^/]+)", call(&AccessService::set_password), Needs::kChange,
+       Speed::kTakesMemory},
       {"POST", "/api/match_lock", call(&AccessService::set_lock), Needs::kChange},
   };
 }
