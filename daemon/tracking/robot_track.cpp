@@ -105,8 +105,8 @@ void RobotTrack::begin(const RobotObservation& first) {
 }
 
 bool RobotTrack::is_finite() const {
-  // One that is not finite makes the sum not finite.
-  return std::isfinite(state_.sum() + cov_.sum() + angle_.sum() + angle_cov_.sum() + stands_mm_.sum() +
+  // One that is not finite makes the sum not finite. What is beside a diagonal reaches it with the next step.
+  return std::isfinite(state_.sum() + cov_.trace() + angle_.sum() + angle_cov_.trace() + stands_mm_.sum() +
                        stands_var_mm2_ + stands_share_ + noise_factor_ + t_s_ + seen_s_ + stood_s_);
 }
 
@@ -126,10 +126,16 @@ bool RobotTrack::goes_on(const RobotObservation& second) const {
 void RobotTrack::predict(double t_s) {
   const double passed_s = t_s - t_s_;
   if (passed_s == 0) return;
-  const Matrix3d step = step_of(passed_s), noise = kJerk * jerk_noise(passed_s);
-  const Matrix6 whole = of_both_axes(step), more = of_both_axes(noise);
-  state_ = whole * state_;
-  cov_ = whole * cov_ * whole.transpose() + more;
+  // of_both_axes(step) from the left and from the right, without its zeros and ones
+  const double half_square = passed_s * passed_s / 2;
+  state_.head<2>() += passed_s * state_.segment<2>(2) + half_square * state_.tail<2>();
+  state_.segment<2>(2) += passed_s * state_.tail<2>();
+  cov_.topRows<2>() += passed_s * cov_.middleRows<2>(2) + half_square * cov_.bottomRows<2>();
+  cov_.middleRows<2>(2) += passed_s * cov_.bottomRows<2>();
+  cov_.leftCols<2>() += passed_s * cov_.middleCols<2>(2) + half_square * cov_.rightCols<2>();
+  cov_.middleCols<2>(2) += passed_s * cov_.rightCols<2>();
+  cov_ += of_both_axes(kJerk * jerk_noise(passed_s));
+  const Matrix3d step = step_of(passed_s);
   angle_ = step * angle_;
   angle_cov_ = step * angle_cov_ * step.transpose() + kTurnJerk * jerk_noise(passed_s);
   t_s_ = t_s;

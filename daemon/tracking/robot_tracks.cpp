@@ -36,7 +36,7 @@ bool RobotTracks::add_to(RobotTrack& track, const RobotObservation& seen,
 }
 
 bool RobotTracks::add(const RobotObservation& seen, RobotTrack::Step* step) {
-  if (!RobotTrack(seen).is_finite()) {
+  if (!std::isfinite(seen.t_s + seen.place_mm.sum() + seen.orientation_rad + seen.height_mm)) {
     ++repaired_;
     return false;
   }
