@@ -136,7 +136,7 @@ void CameraAgreement::see(int camera, const Seen& seen) {
   now = {seen.place_mm, seen.t_s};
   const double passed_s = now.t_s - before.t_s;
   constexpr double kNext_s = 0.12;
-  if (passed_s <= 0 || passed_s > kNext_s) return;
+  if (track.by_camera.size() < 2 || passed_s <= 0 || passed_s > kNext_s) return;
   // What is learnt changes slowly: once it is known, not every image is needed. Other computers' cameras take
   // no turn from ours.
   const auto is_due = [&](const Compared& last) {
