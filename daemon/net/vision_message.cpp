@@ -47,12 +47,11 @@ bool is_sound(const SSL_GeometryFieldSize& field) {
   return field.field_length() > 0 && field.field_width() > 0;
 }
 
-SSL_GeometryFieldSize sizes_of(const SSL_GeometryFieldSize& field) {
-  SSL_GeometryFieldSize sizes = field;
-  sizes.clear_field_lines();
-  sizes.clear_field_arcs();
-  sizes.DiscardUnknownFields();
-  return sizes;
+SSL_GeometryFieldSize sizes_of(SSL_GeometryFieldSize& field) {
+  field.clear_field_lines();
+  field.clear_field_arcs();
+  field.DiscardUnknownFields();
+  return std::move(field);
 }
 
 /// Returns how many are left out. Both teams have room, however many robots one of them has.
@@ -117,7 +116,7 @@ std::optional<VisionMessage> VisionMessage::read(std::span<const std::byte> data
   VisionMessage out;
   if (packet.has_geometry()) {
     if (!is_sound(packet.geometry().field())) return std::nullopt;
-    out.field = sizes_of(packet.geometry().field());
+    out.field = sizes_of(*packet.mutable_geometry()->mutable_field());
     for (const SSL_GeometryCameraCalibration& camera : packet.geometry().calib()) {
       const Eigen::Vector3d place_mm(camera.derived_camera_world_tx(), camera.derived_camera_world_ty(),
                                      camera.derived_camera_world_tz());
