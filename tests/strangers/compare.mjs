@@ -23,7 +23,7 @@ function sightingsOf(packet) {
 }
 
 const floats = (bytes) => Object.values(fieldsOf(bytes)).map(([one]) => one.readFloatLE(0) * 1000);
-/** {time, things: Map name -> {at, velocity}} in mm and s; null for what holds no tracks. */
+/** {number, time, things: Map name -> {at, velocity}} in mm and s; null for what holds no tracks. */
 function tracksOf(packet) {
   const outer = fieldsOf(packet);
   if (!outer[TRACKED]) return null;
@@ -42,7 +42,7 @@ function tracksOf(packet) {
     const { 1: [at], 2: velocity } = fieldsOf(bytes);
     add('ball', at, velocity);
   }
-  return { time: f[2][0].readDoubleLE(0), things };
+  return { number: f[1][0], time: f[2][0].readDoubleLE(0), things };
 }
 
 const OTHER = { attacked: 'control', control: 'attacked' };
@@ -53,7 +53,7 @@ export class Comparison {
   #images = { attacked: new Map(), control: new Map() };
   #newest = { attacked: [], control: [] }; // packets of tracks
   #waiting; // packets of tracks, until the other service has sent one of that time or later
-  #lastSent_s; // of the attacked one: by what it sends
+  #lastSent; // {time_s, number} of the attacked one: by what it sends
   #figures;
 
   constructor(alone = []) {
@@ -64,14 +64,14 @@ export class Comparison {
   /** From now on. */
   begin(now_ms = Date.now()) {
     this.#waiting = { attacked: [], control: [] };
-    this.#lastSent_s = new Map(['tracks', ...Array(COMPARED_CAMERAS).keys()].map((what) => [what, now_ms / 1000]));
+    this.#lastSent = new Map(['tracks', ...Array(COMPARED_CAMERAS).keys()].map((what) => [what, { time_s: now_ms / 1000 }]));
     this.#figures = {
       frames: { attacked: 0, control: 0 }, compared: 0, different: 0, tracks: 0, skippedTracks: 0, off: [], notFinite: 0, lost: 0, ghosts: new Map(), silent_ms: 0,
     };
   }
 
   end(now_ms = Date.now()) {
-    for (const what of this.#lastSent_s.keys()) this.#hasSent(what, now_ms / 1000);
+    for (const what of this.#lastSent.keys()) this.#hasSent(what, { time_s: now_ms / 1000 });
     const { off, frames, compared, tracks, skippedTracks, ...others } = this.#figures;
     const unanswered = this.#waiting.control.length;
     const sorted = [...off].sort((a, b) => a - b);
@@ -89,7 +89,7 @@ export class Comparison {
     const { camera, sent, key, body } = sightings;
     if (camera > GIGE_CAMERA) this.#isGhost(`camera ${camera}`);
     if (camera >= COMPARED_CAMERAS) return;
-    if (who === 'attacked') this.#hasSent(camera, sent);
+    if (who === 'attacked') this.#hasSent(camera, { time_s: sent });
     this.#figures.frames[who]++;
     const others = this.#images[OTHER[who]];
     const theirs = others.get(key);
@@ -99,12 +99,12 @@ export class Comparison {
     if (theirs.body !== body) this.#figures.different++;
   }
 
-  /** A packet of tracks. */
-  follow(who, packet) {
+  /** A packet of tracks. `wasDropped`: whether lately packets of that group were dropped before this program read them. */
+  follow(who, packet, wasDropped = () => false) {
     const tracks = tracksOf(packet);
     if (!tracks) return;
     if (who === 'attacked') {
-      this.#hasSent('tracks', tracks.time);
+      this.#hasSent('tracks', { time_s: tracks.time, number: tracks.number }, wasDropped);
       const isFinite = [tracks.time, ...[...tracks.things.values()].flatMap(({ at }) => at)].every(Number.isFinite);
       if (!isFinite) this.#figures.notFinite++;
     }
@@ -122,11 +122,14 @@ export class Comparison {
     for (const known of Object.values(this.#images)) for (const [key, { at }] of known) if (now_ms - at > KEPT_S * 1000) known.delete(key);
   }
 
-  #hasSent(what, time_s) {
-    const last_s = this.#lastSent_s.get(what);
-    if (!(time_s > last_s)) return;
-    this.#figures.silent_ms = Math.max(this.#figures.silent_ms, 1000 * (time_s - last_s));
-    this.#lastSent_s.set(what, time_s);
+  #hasSent(what, now, wasDropped = () => false) {
+    const last = this.#lastSent.get(what);
+    if (!(now.time_s > last.time_s)) return;
+    this.#lastSent.set(what, now);
+    let silent_ms = 1000 * (now.time_s - last.time_s);
+    // Strangers fill this program's sockets as well: what was dropped there was sent.
+    if (silent_ms > MOST_SILENT_MS && now.number > last.number && wasDropped()) silent_ms /= now.number - last.number;
+    this.#figures.silent_ms = Math.max(this.#figures.silent_ms, silent_ms);
   }
 
   #isGhost(name) {
@@ -183,11 +186,19 @@ export async function compare(attacked, control, alone) {
       const detection = who === 'attacked' && listeners.length > 0 ? detectionOf(packet) : null;
       if (detection) for (const listener of listeners) listener(detection);
     }));
-    sockets.push(await listenTo(tracker.group, tracker.port, (packet, { address }) => {
-      if (address === OWN_ADDRESS) comparison.follow(who, packet);
-    }));
+    const tracks = await listenTo(tracker.group, tracker.port, (packet, { address }) => {
+      if (address === OWN_ADDRESS) comparison.follow(who, packet, () => tracks.missed() > tracks.missedBefore);
+    });
+    tracks.missedBefore = 0;
+    sockets.push(tracks);
   }
-  const tidy = setInterval(() => comparison.forget(), 1000);
+  const tidy = setInterval(() => {
+    comparison.forget();
+    for (const socket of sockets) {
+      socket.misses = [...(socket.misses ?? []), socket.missed()].slice(-5); // of the last five seconds
+      [socket.missedBefore] = socket.misses;
+    }
+  }, 1000);
 
   return {
     /** From now on. */

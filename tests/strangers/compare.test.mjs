@@ -12,7 +12,7 @@ const image = (i, camera, more = {}) => detection({ frame: i, capture: moment(i)
 const tracks = (i, more = {}) => tracked({ frame: i, time: moment(i), balls: [BALL], robots: [ROBOT], ...more });
 
 /** What is wrong after 5 s of two services; `vision` and `track` say what the attacked one sends of a moment, if anything. */
-function faults({ vision = image, track = tracks, controlToo = true, alone = ['yellow 12'] } = {}) {
+function faults({ vision = image, track = tracks, controlToo = true, wasDropped, alone = ['yellow 12'] } = {}) {
   const comparison = new Comparison(alone);
   comparison.begin(1000 * BEGIN_S);
   const send = (who, sees, follows, i) => {
@@ -21,7 +21,7 @@ function faults({ vision = image, track = tracks, controlToo = true, alone = ['y
       if (packet) comparison.hear(who, packet, 1000 * moment(i));
     }
     const packet = follows(i);
-    if (packet) comparison.follow(who, packet);
+    if (packet) comparison.follow(who, packet, wasDropped);
   };
   for (let i = 1; i <= STEPS; ++i) {
     send('attacked', vision, track, i); // first: the other one's packet of that moment is still to come
@@ -50,6 +50,7 @@ describe('packets of two services', () => {
     isOne(faults({ track: (i) => (i % 10 ? tracks(i) : null) }), /^only 90.0 % of the packets of tracks/);
     assert.deepEqual(faults({ vision: (i, camera) => (i === 50 ? null : image(i, camera)), track: (i) => (i === 50 ? null : tracks(i)) }), []);
     assert.match(faults({ track: (i) => (i > 40 && i < 65 ? null : tracks(i)) }).at(-1), /^nothing was sent for 1250 ms/);
+    assert.doesNotMatch(faults({ track: (i) => (i > 40 && i < 65 ? null : tracks(i)), wasDropped: () => true }).join(), /nothing was sent/);
     assert.match(faults({ vision: (i, camera) => (camera === 1 && i > 75 ? null : image(i, camera)) }).at(-1), /^nothing was sent for 1250 ms/);
   });
 
