@@ -19,16 +19,17 @@ struct WebCounters {
 /// Counts one for as long as it lives. The counter must outlive it. `seat`: held as long.
 class ScopedCount {
  public:
-  explicit ScopedCount(std::atomic<int>& counter, std::shared_ptr<const void> seat = {})
-      : counter_(&counter), seat_(std::move(seat)) {
-    ++counter;
+  explicit ScopedCount(std::atomic<int>& counter, std::shared_ptr<const void> seat = {}, int by = 1)
+      : counter_(&counter, CountDown{by}), seat_(std::move(seat)) {
+    counter += by;
   }
 
  private:
   struct CountDown {
-    void operator()(std::atomic<int>* counter) const { --*counter; }
+    int by;
+    void operator()(std::atomic<int>* counter) const { *counter -= by; }
   };
-  std::unique_ptr<std::atomic<int>, CountDown> counter_;
+  std::unique_ptr<std::atomic<int>, CountDown> counter_{nullptr, CountDown{0}};
   std::shared_ptr<const void> seat_;
 };
 

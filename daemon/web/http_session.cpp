@@ -40,7 +40,7 @@ namespace {
 constexpr std::uint32_t kMaxHeaderBytes = 16 * 1024;
 constexpr std::chrono::seconds kRequestTimeout{20};       // from a request's first byte to its last
 constexpr std::chrono::seconds kLargeRequestTimeout{90};  // likewise, of a file that an admin sends
-constexpr int kMaxLargeRequests = 2;                      // at once
+constexpr int kMaxLargeBytes = 8 * 1024 * 1024;           // of these at once, but one always goes
 constexpr int kMaxSentFiles = 16;                         // at once: each holds a file open
 constexpr std::chrono::seconds kAnswerTimeout{60};
 constexpr std::chrono::seconds kDrainTimeout{2};
@@ -120,9 +120,10 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
       if (const auto refusal = refuse_body(header)) return refuse(refusal->status, refusal->text);
     }
     if (body_size > kMaxBodyBytes) {
-      if (context_.large_requests >= kMaxLargeRequests)
+      const int bytes = static_cast<int>(body_size);  // the largest that any route takes fits
+      if (context_.large_bytes > 0 && context_.large_bytes > kMaxLargeBytes - bytes)
         return refuse(503, "other large files are being sent; try again in a moment");
-      large_.emplace(context_.large_requests);
+      large_.emplace(context_.large_bytes, nullptr, bytes);
       stream_.expires_after(kLargeRequestTimeout);
     } else if (std::string problem; !seat_.holds(body_size, problem)) {
       return refuse(503, problem);

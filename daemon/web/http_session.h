@@ -27,8 +27,8 @@ struct HttpContext {
   boost::asio::io_context& quick;    // those that wait for nothing here
   /// And those that take much memory by one worker, one after the other.
   boost::asio::strand<boost::asio::io_context::executor_type>& one_by_one;
-  std::atomic<int>& large_requests;  // being received and answered now
-  std::atomic<int>& sent_files;      // that are sent now
+  std::atomic<int>& large_bytes;  // of large requests that are received and answered now
+  std::atomic<int>& sent_files;   // that are sent now
 };
 
 /// Serves one connection until it ends: requests one after the other, or a WebSocket or

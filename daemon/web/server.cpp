@@ -286,7 +286,7 @@ class RunningServer {
   WebCounters& counters_;
 
   Connections connections_;
-  std::atomic<int> large_requests_ = 0, sent_files_ = 0;
+  std::atomic<int> large_bytes_ = 0, sent_files_ = 0;
   // Connections live in the handlers that wait in these, so they end with them: after the hub and before
   // what stands above.
   Executors executors_;
@@ -299,7 +299,7 @@ class RunningServer {
                           executors_.workers,
                           executors_.quick,
                           executors_.one_by_one,
-                          large_requests_,
+                          large_bytes_,
                           sent_files_};
   Listener listener_;
   asio::steady_timer audit_timer_;

@@ -157,6 +157,8 @@ class FakeHost : public Gate, public ViewSource, public Topic {
            --now_hanging_;
            return text_response("");
          }},
+        {"POST", "/api/file", [](const Request&) { return text_response(""); }, Needs::kByMethod,
+         Speed::kMayWait, false, 8 * 1024 * 1024},
         {"PUT", "/api/names/(.+)",
          [](const Request& request) {
            return json_response({{"name", request.matches[1]}});

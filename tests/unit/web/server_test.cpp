@@ -292,6 +292,25 @@ TEST_F(ServerTest, ManyLargeRequestsMayBeSentTogether) {
   }
 }
 
+TEST_F(ServerTest, LargeFilesThatAreSentHaveALimitTogether) {
+  const std::string body(3 << 20, ' '), request = request_text("POST", "/api/file", "", body);
+  const std::string half = request.substr(0, request.size() / 2), rest = request.substr(half.size());
+  Client first(server_.port()), second(server_.port());
+  first.send(half);
+  second.send(half);
+  EXPECT_TRUE(test::becomes([&] {
+    Client third(server_.port());
+    third.send(request);
+    return read_answer(third).status == 503;
+  }));
+  for (Client* client : {&first, &second}) {
+    client->send(rest);
+    EXPECT_EQ(read_answer(*client).status, 200);
+  }
+  Client alone(server_.port());
+  EXPECT_EQ(ask(alone, "POST", "/api/file", "", std::string(8 << 20, ' ')).status, 200) << "as large as any";
+}
+
 TEST_F(ServerTest, ManyClientsAreServedAtOnce) {
   std::vector<std::unique_ptr<Client>> clients;
   for (int i = 0; i < 8; ++i) clients.push_back(std::make_unique<Client>(server_.port()));
