@@ -213,7 +213,7 @@ describe('a backup', () => {
     await refuses(Buffer.alloc(8 * MIB + 1), /^the body is larger than 8 MiB$/, 413);
     const bomb = packed(new Map(partsOf(backup)).set('settings.json', Buffer.alloc(33 * MIB, 0x20)));
     assert.ok(bomb.length < MIB);
-    await refuses(bomb, /^this is not a complete backup: unpacked, it is larger than 24 MiB$/);
+    await refuses(bomb, /^this is not a complete backup: unpacked, it is larger than 16 MiB$/);
     const file = join(first.folder, 'large.sslvision');
     writeFileSync(file, Buffer.alloc(8 * MIB + 1));
     const { status, stderr } = ctl(spare, 'restore', file);

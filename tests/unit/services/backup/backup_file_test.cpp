@@ -119,7 +119,7 @@ TEST(BackupFile, AFewBytesTakeLittleMemory) {
   std::vector<TarEntry> many{{"manifest.json", manifest("{}")}};
   for (int i = 0; i < 10; ++i)
     many.push_back({std::to_string(i), std::string(kMaxUnpackedBackupBytes / 8, ' ')});
-  EXPECT_EQ(refusal(forged(many)), "this is not a complete backup: unpacked, it is larger than 24 MiB");
+  EXPECT_EQ(refusal(forged(many)), "this is not a complete backup: unpacked, it is larger than 16 MiB");
   std::string zeros = "[0";
   while (zeros.size() < 2'000'000) zeros += ",0";
   EXPECT_EQ(refusal(forged({{"manifest.json", zeros + "]"}})),
