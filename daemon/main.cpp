@@ -155,7 +155,7 @@ void end_in_time() {
 /// each of its arenas, one for every thread that comes and goes with a camera, would keep its own: a third
 /// more memory after some reopenings. Frames allocate nothing, so this costs them nothing.
 void keep_memory_small() {
-  mallopt(M_MMAP_THRESHOLD, 256 * 1024);
+  mallopt(M_MMAP_THRESHOLD, 64 * 1024);
   mallopt(M_ARENA_MAX, 2);
 }
 
