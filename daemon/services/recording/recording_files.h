@@ -53,8 +53,8 @@ struct DiskUse {
 
 /// Whom room is made for. Clips go before match logs, and of either what was written longest ago first. What
 /// is pinned or being written stays, and so does the newest match log. Strangers may have filled that:
-/// nothing goes for what it has beyond its counted share and half the quota, and a
-/// recording of more than that half goes before all others.
+/// nothing goes for what it has beyond its counted share and half the quota, and a recording of more than
+/// that half goes before all others.
 enum class RoomFor {
   kMatchLog,    // it may exceed the quota where nothing can go for it
   kWantedClip,  // by a person, or after a crash
