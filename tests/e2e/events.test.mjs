@@ -56,7 +56,7 @@ describe('the history of alerts and events', () => {
     const told = (...words) => execFileSync(CTL, ['--daemon', `http://127.0.0.1:${service.port}`, 'events', ...words], { encoding: 'utf8' });
     assert.match(told(), /bad +Camera 0 is lost.*not-there/);
     assert.match(told(), /Settings changed: \/cameras\/0\/source.* by 127\.0\.0\.1/);
-    assert.match(told('--bad'), /^began +lasted +severity +what\n[^\n]*Camera 0 is lost/);
+    assert.match(told('--bad'), /^began +lasted +severity +what\n(.*\n)*.*Camera 0 is lost/); // a busy computer may have something newer
     assert.doesNotMatch(told('--bad'), /Settings changed/);
     const json = JSON.parse(told('--bad', '--json'));
     assert.ok(json.entries.length >= 1 && json.entries.every(({ severity }) => severity === 'bad'));
