@@ -34,7 +34,7 @@
 namespace sslv {
 namespace {
 
-/// Where settings that come over the network may name files.
+/// Folders in which settings from the network may name files.
 std::vector<std::filesystem::path> file_folders(const Daemon::Options& options) {
   std::vector<std::filesystem::path> folders = options.file_folders;
   folders.insert(folders.end(), {std::filesystem::absolute(options.settings_file).parent_path(),
@@ -42,7 +42,7 @@ std::vector<std::filesystem::path> file_folders(const Daemon::Options& options) 
   return folders;
 }
 
-/// What is kept in the state folder, but for the settings.
+/// The contents of the state folder, except the settings.
 struct Kept {
   explicit Kept(const std::filesystem::path& path)
       : folder(path), passwords(path / Passwords::kFileName), profiles(folder), tables(folder) {}
@@ -130,8 +130,8 @@ struct RecordingParts {
 
 }  // namespace
 
-/// In the order in which they are made; each may use those above it. They end in the other order, also where
-/// start() throws.
+/// The services in the order of construction: each may use the services above it. They are destroyed in the
+/// reverse order, also if start() throws.
 struct Daemon::Parts {
   explicit Parts(Options options)
       : kept(options.state_folder),
@@ -170,7 +170,8 @@ struct Daemon::Parts {
                       [this] { return cameras.service.summary() + " -> " + network.service.summary(); });
   }
 
-  /// Everybody first, then one waits for each: what they take to end does not add up.
+  /// Asks all services to stop before anything waits for the first one, so that the waiting times do not add
+  /// up.
   void ask_to_stop() {
     stop_yielding();
     ask_stages_to_stop();
@@ -181,8 +182,8 @@ struct Daemon::Parts {
   ~Parts() {
     ask_to_stop();
     heartbeat.reset();
-    panel.stop();                      // from here on nobody asks for a change
-    network.service.stop_listening();  // nor gives cameras other heights
+    panel.stop();                      // no client can request a change from here on
+    network.service.stop_listening();  // and no message can change robot heights
   }
 
   Kept kept;
@@ -202,8 +203,8 @@ struct Daemon::Parts {
   BackupService backup;
   WebCounters web_counters;
   StatusService status;
-  /// All there are: each plans changes of settings, has routes, is asked each second and told to stop because
-  /// it is here. In the order in which their checks are shown, which is also that in which they are asked.
+  /// All services. Only services in this list plan changes of settings, provide routes, are called every
+  /// second and are asked to stop. They are called in this order, and their checks are shown in this order.
   const std::vector<Service*> services{&verdict,
                                        &field.service,
                                        &cameras.service,

@@ -11,31 +11,32 @@
 
 namespace sslv {
 
-/// The composition root: makes the services, wires them, starts and stops them in order. No logic of its own.
+/// The composition root: creates the services, connects them, and starts and stops them in order. It has no
+/// logic of its own.
 class Daemon {
  public:
   struct Options {
     std::filesystem::path settings_file, state_folder, panel_folder;
-    std::vector<std::filesystem::path> file_folders{};  // besides its own, where the panel may name files
-    std::vector<KeptFile> left{};  // cameras' last seconds of the run before, if that crashed
+    std::vector<std::filesystem::path> file_folders{};  // further folders with files that the panel may name
+    std::vector<KeptFile> left{};  // ring buffers of the cameras' images that a crashed run left
   };
 
-  /// Running when it returns: sockets bound, panel answering, cameras opening. Throws SettingsError.
+  /// On return, sockets are bound, the panel answers, and cameras are being opened. Throws SettingsError.
   explicit Daemon(Options options);
   ~Daemon();
 
   int panel_port() const;
-  /// One line for the service manager and the log, at most a second old: cameras, rate, latency, where
-  /// packets go. Does not wait for anything.
+  /// One line for the service manager and the log, at most a second old: cameras, rate, latency, destination
+  /// of the packets. Does not block.
   std::string summary() const;
-  /// Reads the settings file again and applies it; logs what came of it.
+  /// Reads the settings file again, applies it, and logs the result.
   void reload();
-  /// Tells all that runs to end, and does not wait for it; the destructor does. Nothing is asked of it then.
+  /// Starts stopping all services without waiting; the destructor waits. Call only the destructor afterwards.
   void ask_to_stop();
-  /// Why the watchdog must not be fed; empty while all is well. Does not wait for anything.
+  /// Why the watchdog must not be fed; empty while all is well. Does not block.
   std::string hanging() const;
 
-  /// All routes that the panel's server has.
+  /// All routes of the panel's server.
   const std::vector<Route>& routes() const;
 
  private:

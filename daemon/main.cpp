@@ -9,7 +9,7 @@
 #include "config/stages.h"
 #include "config/version.h"
 #include "daemon.h"
-#include "kit/apart/stage_process.h"
+#include "kit/sandbox/stage_process.h"
 #include "services/recording/last_seconds.h"
 #include "settings/store.h"
 
@@ -36,7 +36,7 @@ namespace {
 
 using namespace sslv;
 
-/// Where the panel's changes are kept: as the service manager says, else by the XDG base directory
+/// The folder for the panel's changes: from the service manager, else by the XDG base directory
 /// specification.
 std::filesystem::path state_folder() {
   const auto variable = [](const char* name) -> std::filesystem::path {
@@ -57,7 +57,7 @@ std::filesystem::path panel_folder() {
                                                               : std::filesystem::path(kInstalledPanel);
 }
 
-/// Runs `act` so that a setting it refuses is named with its file.
+/// Runs `act`; if `act` refuses a setting, the error also names the file.
 template <class Act>
 auto naming(const std::filesystem::path& file, Act act) {
   try {
@@ -70,7 +70,7 @@ auto naming(const std::filesystem::path& file, Act act) {
   }
 }
 
-/// The whole tree of a settings file, after reading the files it names as well.
+/// Returns the whole tree of a settings file, after also reading the files that it names.
 Json checked_settings(const std::filesystem::path& file) {
   return naming(file, [&] {
     Json complete = complete_settings(up_to_date(read_json_file(file), settings_migrations()));
@@ -87,22 +87,23 @@ sigset_t own_signals() {
   return signals;
 }
 
-/// The service takes its signals in one place. They wait from the program's first instruction on, before the
-/// libraries set themselves up and before any thread starts: none finds a moment in which it would kill.
+/// The service handles its signals in one place. They are blocked from the program's first instruction on,
+/// before the libraries initialise and before any thread starts, so that none can kill the process at any
+/// moment.
 void block_own_signals() {
   const sigset_t signals = own_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 }
 [[gnu::section(".preinit_array"), gnu::used]] void (*const kBeforeAll)() = block_own_signals;
 
-/// What is no service ends as programs do.
+/// Runs that are not the service end on signals like other programs.
 void unblock_own_signals() {
   const sigset_t signals = own_signals();
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
 }
 
-/// Reads the settings again on a thread of its own: a stage that is slow to start must not keep the watchdog
-/// from being fed.
+/// Reloads the settings on its own thread: a stage that is slow to start must not keep the watchdog from
+/// being fed.
 class Reload {
  public:
   explicit Reload(Daemon& daemon) : daemon_(daemon) {}
@@ -112,7 +113,7 @@ class Reload {
   Reload(const Reload&) = delete;
   Reload& operator=(const Reload&) = delete;
 
-  /// One at a time: asked again meanwhile, it is done once more.
+  /// Reloads run one at a time; a request during a reload starts another reload afterwards.
   void ask() { is_wanted_ = true; }
   void each_time() {
     if (!is_wanted_ || is_running_) return;
@@ -139,7 +140,7 @@ class Reload {
 };
 
 /// A disk or a driver that hangs would keep the service from ending until its manager aborts it, which looks
-/// like a crash: before that it ends without them. A person at a terminal may wait.
+/// like a crash: the service exits before that. A person at a terminal may wait.
 void end_in_time() {
   constexpr unsigned kLongest_s = 4;  // systemd/ssl-visiond.service: TimeoutStopSec
   if (std::getenv("NOTIFY_SOCKET") == nullptr) return;
@@ -151,9 +152,9 @@ void end_in_time() {
   ::alarm(kLongest_s);
 }
 
-/// Images and tables go back to the system when they are done with. glibc would learn to keep them, and
-/// each of its arenas, one for every thread that comes and goes with a camera, would keep its own: a third
-/// more memory after some reopenings. Frames allocate nothing, so this costs them nothing.
+/// Returns memory of images and tables to the system when it is freed. By default, glibc raises its
+/// thresholds and keeps freed memory in an arena for each thread; threads start and end with cameras, so the
+/// service needed a third more memory after some reopenings. Frames allocate nothing, so they lose no time.
 void keep_memory_small() {
   mallopt(M_MMAP_THRESHOLD, 64 * 1024);
   mallopt(M_ARENA_MAX, 2);
@@ -214,7 +215,7 @@ int run_program(int argc, char** argv) {
                  "a folder of stage libraries (*.so), whose stages a stack may name; their code runs in this "
                  "program");
   app.add_option(
-      "--stages-apart", stage_folders.apart,
+      "--stages-apart", stage_folders.sandboxed,
       "likewise; each of these stages runs in a process of its own, so that it can harm nothing else");
   app.add_flag("--print-config", print,
                "print the whole settings tree, defaults filled in (with --config: of that file)");
@@ -271,7 +272,7 @@ int run_program(int argc, char** argv) {
 int main(int argc, char** argv) {
   if (const auto code = stage_process_main(argc, argv)) return *code;
   const int code = run_program(argc, argv);
-  // A driver that hangs would find its library gone when it goes on while exit() runs.
+  // A hung driver may continue while exit() runs, and its library would be destroyed by then.
   if (LeftBehind::any()) std::_Exit(code);
   return code;
 }

@@ -13,7 +13,7 @@ namespace {
 
 using namespace sslv;
 
-/// Text for roff: what it would take for commands or turn into other characters.
+/// Escapes text for roff: characters that it would interpret as commands or replace.
 std::string roff(const std::string& text) {
   std::string out;
   for (const char c : text) {

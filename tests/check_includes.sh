@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# check_includes.sh ROOT: fails when an #include "folder/..." under ROOT (daemon/) breaks the rules below, which
-# are docs/architecture.md's. A folder may always include itself; the most specific rule counts.
+# check_includes.sh ROOT: fails when an #include "folder/..." under ROOT (daemon/) breaks the rules below, which are
+# from docs/architecture.md. A folder may always include itself; the most specific rule applies.
 set -euo pipefail
 cd "$1"
 
@@ -22,7 +22,7 @@ rules='
   pipeline/field_frame.h tracking/camera_agreement.h tracking/gather.h tracking/sightings.h tracking/tracks.h pipeline/own_parts.h
   pipeline              base image geometry vision tracking
   kit                   base image geometry vision tracking pipeline
-  net                   base image/frame_info.h geometry tracking/sightings.h tracking/tracks.h vision/detections.h pipeline/senseless.h proto
+  net                   base image/frame_info.h geometry tracking/sightings.h tracking/tracks.h vision/detections.h pipeline/validate.h proto
   recording             base net settings/state_folder.h proto
   settings              base
   health                base image vision/mask.h
@@ -47,8 +47,8 @@ rules='
 '
 engines='base image clips geometry tracking calibration vision colors capture pipeline kit net recording settings health proto'
 
-# "top" is daemon/ itself: main and the composition root. Nothing includes top or ctl. An engine includes no service;
-# a service includes another only by the headers named here, which are its small interfaces.
+# "top" is daemon/ itself: main and the composition root. Nothing includes top or ctl. An engine includes no service; a
+# service includes another only through the headers listed here, its small interfaces.
 grep -rnE --include='*.h' --include='*.cpp' --include='*.h.in' '^[[:space:]]*#[[:space:]]*include[[:space:]]*"' . |
   awk -v rules="$rules" -v engines="$engines" '
     function folder_of(path) {

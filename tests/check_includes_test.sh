@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# What check_includes.sh must catch and must let pass, each on a tree with one include.
+# Includes that check_includes.sh must reject or allow, each in a tree with one include.
 set -euo pipefail
 check=$(dirname "${BASH_SOURCE[0]}")/check_includes.sh
 tree=$(mktemp -d)

@@ -1,18 +1,18 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# fresh.sh RELEASE FOLDER: does what a stranger does on a bare Debian 12 or 13: clones HEAD, runs `./run demo` until
-# the first image of each camera, then `./run test`. Prints a Markdown table: minutes, packages, what failed. FOLDER
-# keeps the bare system, its packages and the logs. Needs root and debootstrap, but no systemd.
-# The clone has no history, its path has a space, its user an empty home and no compiler cache.
-# Exit code: that of the tests; 64: wrong arguments; 77: no such system can be made here.
+# fresh.sh RELEASE FOLDER: follows a new user on a bare Debian 12 or 13: clones HEAD, runs `./run demo` until the first
+# image of each camera, then `./run test`. Prints a Markdown table: minutes, packages, failures. FOLDER keeps the bare
+# system, its packages and the logs. Needs root and debootstrap, but no systemd.
+# The clone has no history, its path has a space, its user has an empty home and no compiler cache.
+# Exit code: the tests'; 64: wrong arguments; 77: such a system cannot be made here.
 set -euo pipefail
 
-# --inside SYSTEM ARCHIVES HOME COMMAND...: what `enter` runs in namespaces of its own.
+# --inside SYSTEM ARCHIVES HOME COMMAND...: the part of `enter` that runs inside the new namespaces.
 if [[ ${1:-} == --inside ]]; then
   mount --rbind "$2" "$2" && cd "$2"
   mount -t proc proc proc && mount --rbind /dev dev && mount --rbind /sys sys && mount -t tmpfs tmpfs run
   mount --bind "$3" var/cache/apt/archives
-  # Not chroot: a process in one may make no namespaces of its own, as browsers and tests do.
+  # Not chroot: processes in it cannot create namespaces, as browsers and tests do.
   mkdir old && pivot_root . old && umount -l old && rmdir old
   cd "$4/ssl-visiond"
   exec env -i HOME="$4" PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 "${@:5}"
@@ -47,7 +47,7 @@ rm -rf "$system" "$logs"
 cp -a --reflink=auto "$base" "$system"
 mkdir -p "$logs" "archives-$release"
 logs=$(realpath "$logs")
-# The way to the mirrors is this machine's.
+# Uses this machine's network settings to reach the mirrors.
 cp -L /etc/resolv.conf /etc/hosts "$system/etc/"
 apt-config dump Acquire | grep -E '^Acquire::(http|https|Check)[A-Za-z:-]* "..*";' >"$system/etc/apt/apt.conf.d/90host" || true
 find /usr/local/share/ca-certificates -name '*.crt' -exec cp -t "$system/usr/local/share/ca-certificates" {} + 2>/dev/null || true
@@ -58,15 +58,15 @@ mkdir -p "$system$home"
 git clone -q --depth 1 "file://$sources" "$system$home/ssl-visiond"
 chroot "$system" dpkg-query -W -f '${Package}\n' | sort >"$logs/packages.before"
 
-# enter COMMAND...: runs it in the clone; no mount and no process of it stays.
+# enter COMMAND...: runs it in the clone; leaves no mount and no process behind.
 enter() {
   unshare --mount --pid --fork --kill-child --propagation private \
     "$self" --inside "$PWD/$system" "$PWD/archives-$release" "$home" "$@"
 }
-# Seconds since 1970 in front of each line.
+# Prefixes each line with Unix time in s.
 with_times() { while IFS= read -r line; do printf '%s %s\n' "$EPOCHSECONDS" "$line"; done; }
 
-# get PATH: what the demo's panel answers with 200.
+# get PATH: succeeds if the demo's panel answers with 200.
 get() {
   exec 3<>/dev/tcp/127.0.0.1/8090 || return
   printf 'GET %s HTTP/1.0\r\n\r\n' "$1" >&3
@@ -83,7 +83,7 @@ until (get /api/cameras/0/snapshot.jpg) && (get /api/cameras/1/snapshot.jpg); do
   sleep 1
 done
 first_image=$EPOCHSECONDS
-# unshare itself takes no signals: the service is its child, in the demo's place.
+# unshare itself handles no signals: the service is its child, in the demo's place.
 kill "$(pgrep -P "$(pgrep -P "$demo" -x unshare)")"
 wait "$demo" || true
 
@@ -96,7 +96,7 @@ chroot "$system" dpkg-query -W -f '${Package}\n' | sort >"$logs/packages.after"
 
 # ---- the table
 
-# phases LOG END: seconds of each part that `run` names with "== ".
+# phases LOG END: seconds of each part that `run` announces with "== ".
 phases() {
   awk -v end="$2" '$2 == "==" { if (name) print $1 - from, name; from = $1; name = $3 " " $4 " " $5 } END { if (name) print end - from, name }' "$1"
 }

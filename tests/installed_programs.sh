@@ -1,20 +1,19 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# installed_programs.sh FOLDER PACKAGE...: makes FOLDER with a link to each program that a bare Debian has once these
-# packages are installed: its own, theirs and those of all that they depend on. As PATH it shows which programs a test
-# needs that nobody installs.
+# installed_programs.sh FOLDER PACKAGE...: fills FOLDER with links to all programs of a bare Debian with these packages
+# and their dependencies installed. Used as PATH, it reveals programs that a test needs but no package provides.
 set -euo pipefail
 folder=$1
 rm -rf "$folder"
 mkdir -p "$folder"
 
 mapfile -t required < <(dpkg-query -W -f '${Priority} ${Package}\n' | awk '$1 == "required" {print $2}')
-# What apt would install on a computer that has nothing.
+# The packages that apt would install on an empty computer.
 mapfile -t packages < <(apt-get install --simulate --no-install-recommends -o Dir::State::status=/dev/null \
   apt "${required[@]}" "${@:2}" | awk '$1 == "Inst" {print $2}')
 ((${#packages[@]})) || { echo "installed_programs.sh: apt knows no packages: apt-get update" >&2; exit 1; }
 
-# Packages that are not here have no files. Links of /etc/alternatives have no owner but what they lead to.
+# Packages that are not installed have no files. Links in /etc/alternatives belong to the owner of their target.
 declare -A owned
 add() {
   local to
@@ -26,7 +25,7 @@ while read -r program; do
   [[ -z ${owned[$(readlink -f "$program" || echo missing)]:-} ]] || add "$program"
 done < <(find /usr/bin /usr/sbin -lname '/etc/alternatives/*')
 
-# One that came from elsewhere will do, as in ./run.
+# A Node from another source is accepted, as in ./run.
 for program in node npm npx; do
   [[ -e $folder/$program ]] || ln -s "$(command -v "$program")" "$folder/"
 done

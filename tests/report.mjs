@@ -6,7 +6,7 @@
 //
 // FOLDER has a folder for each suite: `suite.json` {name, exit, seconds, work_s} and what its tests left: *.xml of
 // gtest and ctest, *.jsonl of tests/node_reporter.mjs, vitest.json, *.work of tests/entry.sh. Exit code: 1 when
-// something failed or when the work of all suites together has doubled (tests/budget.json).
+// something failed. A suite whose work has doubled (tests/budget.json) is marked.
 import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';

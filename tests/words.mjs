@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plain words: finds words and phrases that readers whose first language is not English stumble over.
+// Plain words: finds words and phrases that readers whose first language is not English stumble over, and names of
+// source files that do not exist.
 //
 //   node tests/words.mjs [PATH ...]    files and folders; without: docs, README.md, webui, daemon, systemd
 //
@@ -7,6 +8,7 @@
 // Exit code 1 when something was found.
 import { readdirSync, readFileSync, statSync } from 'node:fs';
 import { extname, join } from 'node:path';
+import { fileURLToPath } from 'node:url';
 
 /** What is searched (whole words, any case, plain text or regular expression) and what to write in its place. */
 const AVOID = [
@@ -128,10 +130,29 @@ function* files(path) {
   }
 }
 
+/** Names of source files, as docs and comments cite them: hello.cpp, kit/stages.h, panel.test.mjs. */
+const FILE_NAME = /(?<![\w./<*-])(?:[\w-]+\/)*([\w-]+(?:\.test)?\.(?:h|cpp|mjs))\b(?!\.)/g;
+const OF_OTHERS = ['fcntl.h', 'foreach_target.h', 'gl2ext.h', 'gl31.h'];
+const ownFiles = new Set(OF_OTHERS);
+(function collect(folder) {
+  for (const entry of readdirSync(folder, { withFileTypes: true })) {
+    if (entry.isDirectory()) { if (!SKIP.includes(entry.name) && !entry.name.startsWith('.')) collect(join(folder, entry.name)); } else ownFiles.add(entry.name);
+  }
+})(fileURLToPath(new URL('..', import.meta.url)));
+
 let count = 0;
 for (const path of process.argv.length > 2 ? process.argv.slice(2) : ['docs', 'README.md', 'webui', 'daemon', 'systemd']) {
   for (const file of files(path)) {
-    const prose = PROSE[extname(file)]?.(readFileSync(file, 'utf8'));
+    const text = readFileSync(file, 'utf8');
+    const prose = PROSE[extname(file)]?.(text);
+    const cited = extname(file) === '.md' ? text : prose?.replace(/^\s*#include.*/gm, '');
+    cited?.split('\n').forEach((line, i) => {
+      for (const [all, name] of line.matchAll(FILE_NAME)) {
+        if (ownFiles.has(name) || /^linux\/|NAME/.test(all)) continue;
+        console.log(`${file}:${i + 1}: "${all}": there is no such file`);
+        count++;
+      }
+    });
     prose?.split('\n').forEach((whole, i) => {
       const line = ALLOWED.reduce((left, one) => left.replaceAll(one, ' '.repeat(one.length)), whole);
       for (const { pattern, advice } of rules) {

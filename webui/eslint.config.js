@@ -12,7 +12,7 @@ export default ts.config(
   },
   {
     rules: {
-      // Layout of templates is the author's; the other rules of the set find mistakes.
+      // Template layout is left to the author; the other rules of the set find errors.
       'vue/max-attributes-per-line': 'off',
       'vue/singleline-html-element-content-newline': 'off',
       'vue/multiline-html-element-content-newline': 'off',

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Styles ask for a phone by "(max-width: 760px)" and for anything else by "(min-width: 761px)". A phone held sideways is
-// wider than that, but low, and wants the same styles: the build writes it into these conditions, so that no style can
-// forget it.
+// Styles select a phone by "(max-width: 760px)" and everything else by "(min-width: 761px)". A phone held sideways is
+// wider but low, and needs the phone styles: the build extends these conditions, so that no style can forget it.
 import type { Plugin } from 'postcss';
 
 const PHONE = '(max-width: 760px)';
 const SIDEWAYS = '(max-width: 960px) and (max-height: 480px)';
 
-/** A media rule's conditions, with phones that are held sideways counted as phones. */
+/** Extends a media rule's conditions so that a phone held sideways counts as a phone. */
 export function phoneConditions(params: string): string {
   return params.split(',').map((part) => part.trim()).flatMap((part) => {
     if (part === PHONE) return [PHONE, SIDEWAYS];

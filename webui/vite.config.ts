@@ -23,14 +23,14 @@ export default defineConfig({
   css: { postcss: { plugins: [withPhonesHeldSideways] } },
   build: {
     target: 'es2022',
-    // A strict content security policy forbids data: fonts and scripts; whole files keep it simple.
+    // A strict content security policy forbids data: fonts and scripts, so no asset is inlined.
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
   },
-  // Tests read what the service itself says, in ../daemon.
+  // Tests read files of the service in ../daemon.
   server: { proxy: { '/api': { target: daemon, ws: true } }, fs: { allow: ['..'] } },
   preview: { proxy: { '/api': { target: daemon, ws: true } } },
-  // One process for all: a start of its own for each file took six times as long as the tests.
-  // The longest wait is that of the other tests (PATIENCE_MS in ../tests/e2e/service.mjs).
+  // One process for all tests: starting one per file took six times as long. The longest wait is that of the other
+  // tests (PATIENCE_MS in ../tests/e2e/service.mjs).
   test: { include: ['src/**/*.test.ts'], isolate: false, testTimeout: 300_000, hookTimeout: 300_000 },
 });

@@ -19,9 +19,10 @@ std::atomic<bool> yields{true};
 void become_background_thread(const char* name, int nice) {
   pthread_setname_np(pthread_self(), name);
   const sched_param none{};
-  sched_setscheduler(0, SCHED_OTHER, &none);  // a real-time camera's thread may have started it
+  sched_setscheduler(0, SCHED_OTHER, &none);  // the creating thread may be a camera's real-time thread
   if (!yields) return;
-  // On Linux 0 means the calling thread, not the process. Lowering it needs no privilege, so it cannot fail.
+  // On Linux, 0 means the calling thread, not the process. Lowering a priority needs no privilege and cannot
+  // fail.
   setpriority(PRIO_PROCESS, 0, nice);
 }
 

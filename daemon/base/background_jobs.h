@@ -24,33 +24,33 @@ inline bool is_running(JobState state) {
   return state == JobState::kCollecting || state == JobState::kSolving;
 }
 
-/// How work says how far it is.
+/// Callbacks with which a job reports its progress.
 struct JobProgress {
   std::function<void(int frames, int ties)> collected;
   std::function<void()> solving;
 };
 
-/// Makes reports of orders in one thread of low priority, one after the other, at most one for each key (a
-/// camera's id, say). Keeps what is known of each key's newest job. May be used from any thread.
+/// Runs jobs one after the other in one thread of low priority, at most one per key (for example a camera's
+/// id). Keeps the state of each key's newest job. Thread-safe.
 template <class Order, class Report>
 class BackgroundJobs {
  public:
   struct Job {
     JobState state = JobState::kIdle;
-    std::shared_ptr<const Order> order;    // none when idle
-    int frames = 0;                        // taken so far, of each camera
-    int ties = 0;                          // places where two cameras saw the same robot
-    std::shared_ptr<const Report> report;  // once done
-    std::string problem;                   // why it failed
+    std::shared_ptr<const Order> order;    // null when idle
+    int frames = 0;                        // collected so far, per camera
+    int ties = 0;                          // tie points: positions at which two cameras saw the same robot
+    std::shared_ptr<const Report> report;  // null until done
+    std::string problem;                   // why the job failed; otherwise empty
   };
 
-  /// Whatever it throws is the job's problem. What it returns once it was stopped is not looked at.
+  /// Exceptions become the job's `problem`. The result of a stopped job is ignored.
   using Work = std::function<Report(int key, const Order& order, const JobProgress& progress,
                                     const std::stop_token& stop)>;
 
   using LogFailure = std::function<void(int key, const std::string& problem)>;
 
-  /// `thread_name`: at most 15 characters. `become`: what kind of thread (base/background.h).
+  /// `thread_name`: at most 15 characters. `become` sets the thread's priority (base/background.h).
   BackgroundJobs(const char* thread_name, Work work, LogFailure log_failure,
                  void (*become)(const char* name) = become_background_thread)
       : work_(std::move(work)),
@@ -60,10 +60,10 @@ class BackgroundJobs {
           serve(ending);
         }) {}
 
-  /// Ends what is running.
+  /// Stops the running job and waits for the thread.
   ~BackgroundJobs() { ask_to_stop(); }
 
-  /// Begins what the destructor does, and does not wait for it.
+  /// Requests the stop without waiting for it.
   void ask_to_stop() {
     thread_.request_stop();
     const std::lock_guard lock(mutex_);
@@ -76,7 +76,7 @@ class BackgroundJobs {
     return found == newest_.end() ? Job{} : found->second->job;
   }
 
-  /// False when one is running already.
+  /// False if a job with this key is running already.
   bool start(int key, Order order) {
     auto running = std::make_shared<Running>();
     running->key = key;
@@ -93,18 +93,18 @@ class BackgroundJobs {
     return true;
   }
 
-  /// False when none is running.
+  /// False if no job with this key is running.
   bool cancel(int key) {
     const std::lock_guard lock(mutex_);
     const auto found = newest_.find(key);
     if (found == newest_.end() || !is_running(found->second->job.state)) return false;
-    // At once, though the thread may need a moment to see it: whatever comes of it then is not wanted.
+    // Set the state now; the thread may notice the stop later, and its result is ignored.
     found->second->job.state = JobState::kCancelled;
     found->second->stop.request_stop();
     return true;
   }
 
-  /// Forgets a job that has ended; false when it is another than the one with this report.
+  /// Removes an ended job. False if the key's job is running or has another report.
   bool forget(int key, const Report* report) {
     const std::lock_guard lock(mutex_);
     const auto found = newest_.find(key);
@@ -115,7 +115,8 @@ class BackgroundJobs {
     return true;
   }
 
-  /// Their cameras show something else from now on: such jobs fail, whether they run or have a report.
+  /// Fails the jobs that `is_concerned` selects, because their cameras have changed: running jobs and jobs
+  /// with a report.
   void invalidate_if(const std::function<bool(int key, const Order& order)>& is_concerned) {
     const std::lock_guard lock(mutex_);
     for (const auto& [key, running] : newest_) {
@@ -151,7 +152,7 @@ class BackgroundJobs {
   }
 
   void work_on(Running& running) {
-    // A stopped job stays as the caller of stop left it.
+    // The state of a stopped job is changed only by the thread that requested the stop.
     const auto change = [&](const auto& change_job) {
       const std::lock_guard lock(mutex_);
       if (!running.stop.stop_requested()) change_job(running.job);
@@ -181,11 +182,11 @@ class BackgroundJobs {
 
   const Work work_;
   const LogFailure log_failure_;
-  mutable std::mutex mutex_;  // guards what follows, and all jobs
+  mutable std::mutex mutex_;  // guards the following members and all jobs
   std::condition_variable_any ordered_;
   std::deque<RunningPtr> orders_;
   std::map<int, RunningPtr> newest_;  // by key
-  std::jthread thread_;               // last: it uses all the others
+  std::jthread thread_;               // last: it uses all other members
 };
 
 }  // namespace sslv

@@ -12,7 +12,7 @@ bool is_space(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\n';
 }
 
-/// GLib passes over what is no base64, and over an end that is missing.
+/// Whether the text is complete, valid base64. GLib would ignore invalid characters and a missing end.
 bool is_whole(std::string_view text) {
   std::size_t digits = 0, padding = 0;
   for (const char c : text) {

@@ -10,11 +10,10 @@
 
 namespace sslv {
 
-/// RFC 4648, in one line.
+/// RFC 4648, without line breaks.
 std::string to_base64(std::span<const std::uint8_t> bytes);
 
-/// White space anywhere is allowed. No value for anything else that is no base64, such as a text that was cut
-/// off.
+/// Ignores white space anywhere. No value for other invalid base64, such as a truncated text.
 std::optional<std::vector<std::uint8_t>> from_base64(std::string_view text);
 
 }  // namespace sslv

@@ -9,11 +9,11 @@
 
 namespace sslv {
 
-/// How often something took how long, since the start. Any thread adds without a lock; nothing is ever taken
-/// back. Fixed buckets, so that the figures of years and of computers can be added up.
+/// Histogram of durations since the start. Any thread adds without a lock; counts never decrease. The buckets
+/// are fixed, so that the counts of several years and computers can be added.
 class DurationTotals {
  public:
-  /// A duration counts in the first bucket whose end it does not exceed; what exceeds all, in the last.
+  /// Inclusive upper ends of the buckets; one more bucket holds all longer durations.
   static constexpr std::array<std::int64_t, 20> kEnds_ns{
       10'000,     25'000,     50'000,     100'000,     250'000,     500'000,      1'000'000,
       2'000'000,  3'000'000,  4'000'000,  5'000'000,   7'500'000,   10'000'000,   15'000'000,
@@ -24,7 +24,7 @@ class DurationTotals {
     std::uint64_t sum_ns = 0;
   };
 
-  /// A negative one, as of a camera whose clock is only estimated, counts as none.
+  /// Negative durations, possible if a camera's clock is only estimated, count as 0.
   void add_ns(std::int64_t duration_ns) noexcept {
     duration_ns = std::max<std::int64_t>(duration_ns, 0);
     const auto bucket = std::lower_bound(kEnds_ns.begin(), kEnds_ns.end(), duration_ns) - kEnds_ns.begin();

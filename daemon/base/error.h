@@ -8,8 +8,8 @@
 
 namespace sslv {
 
-/// At most `max_bytes` of a text for a message, "..." at its end where it was cut; never inside a UTF-8
-/// character.
+/// Limits a text for a message to `max_bytes`. A longer text is cut, never inside a UTF-8 character, and ends
+/// in "...".
 inline std::string shortened(std::string_view text, std::size_t max_bytes = 60) {
   constexpr std::string_view kCut = "...";
   if (text.size() <= max_bytes) return std::string(text);
@@ -19,22 +19,23 @@ inline std::string shortened(std::string_view text, std::size_t max_bytes = 60) 
 }
 
 /// A setting that cannot be used. The text is one line for the admin: where (file, JSON pointer of the key),
-/// the value, and what is allowed. At start it ends the program with exit code 78 (EX_CONFIG); at run time
-/// the change is refused and the old settings stay in effect.
+/// the value, and what is allowed. At start, the error ends the program with exit code 78 (EX_CONFIG); at run
+/// time, the change is refused and the old settings stay in effect.
 struct SettingsError : std::runtime_error {
-  /// However long what it quotes is, the text stays one line that somebody can read.
+  /// Maximum length of the text, which may quote long values.
   static constexpr std::size_t kMaxBytes = 4000;
+  /// `text`: one line, truncated to kMaxBytes.
   explicit SettingsError(std::string_view text) : runtime_error(shortened(text, kMaxBytes)) {}
 };
 
-/// What a setting asks for is not to be had now, but may be in a moment: a port that another program holds.
-/// One line for the admin, as above. At start it ends the program with exit code 75 (EX_TEMPFAIL), and the
-/// service manager tries again.
+/// A requested resource is busy now but may be free in a moment, for example a port that another program
+/// holds. One line for the admin, as above. At start, the error ends the program with exit code 75
+/// (EX_TEMPFAIL), and the service manager tries again.
 struct BusyError : SettingsError {
   using SettingsError::SettingsError;
 };
 
-/// A file that cannot be written or read; one line.
+/// A file that cannot be written or read. The text is one line.
 struct StorageError : std::runtime_error {
   using runtime_error::runtime_error;
 };

@@ -13,11 +13,11 @@
 
 namespace sslv {
 
-/// Who waits at a word and wakes there: threads of this process, or of several that share the memory.
+/// The threads that wait and wake: threads of this process, or of all processes that share the memory.
 enum class FutexScope : std::uint8_t { kProcess, kShared };
 
-/// Sleeps while `word` is `value`, at the longest until then; may also wake for no reason. As
-/// std::atomic::wait, which knows no end (futex(2)).
+/// Sleeps while `word` equals `value`, at most until `until`; may wake spuriously. Like std::atomic::wait,
+/// but with a deadline (futex(2)).
 inline void futex_wait(const std::atomic<std::uint32_t>& word, std::uint32_t value,
                        std::chrono::steady_clock::time_point until,
                        FutexScope scope = FutexScope::kProcess) noexcept {
@@ -25,7 +25,7 @@ inline void futex_wait(const std::atomic<std::uint32_t>& word, std::uint32_t val
   const auto since_boot = std::chrono::duration_cast<std::chrono::nanoseconds>(until.time_since_epoch());
   if (since_boot.count() <= 0) return;
   constexpr std::int64_t kNsPerSecond = 1'000'000'000;
-  // This operation takes a moment of CLOCK_MONOTONIC, which is the steady clock.
+  // This operation takes an absolute time of CLOCK_MONOTONIC, which is the steady clock.
   const timespec deadline{since_boot.count() / kNsPerSecond, since_boot.count() % kNsPerSecond};
   const int operation = scope == FutexScope::kProcess ? FUTEX_WAIT_BITSET_PRIVATE : FUTEX_WAIT_BITSET;
   syscall(SYS_futex, &word, operation, value, &deadline, nullptr, FUTEX_BITSET_MATCH_ANY);
@@ -37,18 +37,18 @@ inline void futex_wake_all(const std::atomic<std::uint32_t>& word,
   syscall(SYS_futex, &word, operation, INT_MAX, nullptr, nullptr, 0);
 }
 
-/// A bell for one thread that must never wait and others that wait for it: ringing takes no lock, and makes
-/// no system call while nobody waits. A waiting thread looks between mark() and wait() for what has changed.
+/// Lets one thread that must never block wake others. ring() takes no lock, and makes no system call while
+/// nobody waits. A waiting thread calls mark(), checks what has changed, then calls wait().
 class Bell {
  public:
-  /// After the change.
+  /// Call after the change.
   void ring() noexcept {
     rings_.fetch_add(1);
     if (waiting_.load() != 0) futex_wake_all(rings_);
   }
 
   std::uint32_t mark() const noexcept { return rings_.load(); }
-  /// Returns once it has rung since `mark`, at the latest then.
+  /// Returns once ring() was called since `mark`, or at `until`.
   void wait(std::uint32_t mark, std::chrono::steady_clock::time_point until) const noexcept {
     waiting_.fetch_add(1);
     futex_wait(rings_, mark, until);

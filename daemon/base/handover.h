@@ -10,9 +10,9 @@
 
 namespace sslv {
 
-/// A value that any thread replaces as a whole, for one thread that must never wait, the user. The user takes
-/// no lock, and never frees a value: a replaced one goes in a later store() or load(), on the thread that
-/// calls them, once the user has left it (the user's is a hazard pointer, see Michael 2004, IEEE TPDS 15(6)).
+/// A value that any thread can replace and one thread, the user, reads without ever blocking. The user takes
+/// no lock and never frees a value: a later store() or load() frees a replaced value, on its own thread, once
+/// the user has released it (the user holds a hazard pointer, see Michael 2004, IEEE TPDS 15(6)).
 template <class T>
 class Handover {
  public:
@@ -20,17 +20,17 @@ class Handover {
   Handover(const Handover&) = delete;
   Handover& operator=(const Handover&) = delete;
 
-  /// From any thread but the user's.
+  /// From any thread except the user's.
   void store(T value) {
     auto next = std::make_shared<const T>(std::move(value));
-    Versions left;  // freed after the lock
+    Versions left;  // destroyed after the lock is released
     const std::lock_guard lock(mutex_);
     kept_.push_back(std::move(next));
     newest_.store(kept_.back().get());
     left = take_left();
   }
 
-  /// The newest version, to be held for as long as one likes. From any thread but the user's.
+  /// The newest version, which may be held for any time. From any thread except the user's.
   std::shared_ptr<const T> load() const {
     Versions left;
     const std::lock_guard lock(mutex_);
@@ -38,7 +38,7 @@ class Handover {
     return kept_.back();
   }
 
-  /// The user's hold on the version that was the newest when it began.
+  /// The user's hold on the version that was newest when the hold began.
   class Use {
    public:
     ~Use() { in_use_.store(nullptr, std::memory_order_release); }
@@ -54,12 +54,12 @@ class Handover {
     std::atomic<const T*>& in_use_;
   };
 
-  /// For the user alone, one at a time.
+  /// Only for the user, one Use at a time.
   Use use() noexcept {
     const T* value = newest_.load();
     for (;;) {
       in_use_.store(value);
-      // From now on no writer frees it, unless it was replaced before that.
+      // From now on no writer frees this version, unless it was replaced before the store.
       const T* const now = newest_.load();
       if (now == value) return Use(value, in_use_);
       value = now;
@@ -69,7 +69,7 @@ class Handover {
  private:
   using Versions = std::vector<std::shared_ptr<const T>>;
 
-  /// Those that are neither the newest nor in use. With the lock held.
+  /// The versions that are neither the newest nor in use. Requires the lock.
   Versions take_left() const {
     Versions left;
     const T* const in_use = in_use_.load();
@@ -80,8 +80,8 @@ class Handover {
     return left;
   }
 
-  mutable std::mutex mutex_;  // of writers and readers; never the user's
-  mutable Versions kept_;     // guarded; the last is the newest
+  mutable std::mutex mutex_;  // locked by store() and load(), never by the user
+  mutable Versions kept_;     // guarded by mutex_; the last is the newest
   std::atomic<const T*> newest_{nullptr};
   std::atomic<const T*> in_use_{nullptr};
 };

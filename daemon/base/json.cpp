@@ -34,8 +34,8 @@ JsonExtent extent_of(const Json& value, std::size_t max_size) {
 
 namespace {
 
-/// Counts what a text would take as Json. (Of the library's parsers the one that asks while it builds looks
-/// through a list again for each object in it: a megabyte of `{},` took a minute.)
+/// Estimates the memory of the parsed text. (The library's parser with a callback searches a list again for
+/// each object in it: a megabyte of `{},` took a minute.)
 class JsonCount final : public nlohmann::json_sax<Json> {
  public:
   explicit JsonCount(std::size_t max_bytes) : max_bytes_(max_bytes) {}
@@ -71,13 +71,13 @@ class JsonCount final : public nlohmann::json_sax<Json> {
   }
   bool parse_error(std::size_t /*place*/, const std::string& /*token*/,
                    const nlohmann::detail::exception& /*error*/) override {
-    return false;  // the parser that follows says so
+    return false;  // the parser that follows reports the error
   }
 
  private:
   static constexpr std::size_t kMaxDepth = 64;
   static constexpr int kMaxKeys = 1000;
-  // About what the library takes: a few bytes of text, "[],", become a hundred of memory.
+  // Roughly the library's allocations: a few bytes of text, "[],", become a hundred bytes in memory.
   static constexpr std::size_t kBytesOfValue = 32, kBytesOfText = 32, kBytesOfKey = 48, kBytesOfList = 32;
 
   bool add(std::size_t bytes) {

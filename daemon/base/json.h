@@ -8,24 +8,24 @@
 
 namespace sslv {
 
-/// Keeps the order in which keys were written, so that a settings file reads back as it was laid out.
+/// Keeps the order of keys, so that a settings file is written back in its original order.
 using Json = nlohmann::ordered_json;
 
-/// How much a value is, and all in it: values and bytes of text (keys too) together, and how deep they are
-/// nested; 1 for a value that holds no other.
+/// Extent of a value with everything it contains. `size`: number of values plus bytes of texts and keys.
+/// `depth`: nesting levels, 1 for a value without children.
 struct JsonExtent {
   std::size_t size = 0, depth = 0;
 };
 
-/// Stops soon after `max_size`. Needs no stack: values may be nested deeply.
+/// Stops counting soon after `max_size`. Not recursive, so deep nesting cannot overflow the stack.
 JsonExtent extent_of(const Json& value, std::size_t max_size);
 
-/// Of a JSON from elsewhere, in memory. Settings are copied twice while they are checked.
+/// Memory limit of JSON from outside. Settings are copied twice while they are validated.
 inline constexpr std::size_t kMaxJsonBytes = 16 * 1024 * 1024;
 
-/// A text from elsewhere: at most `max_bytes` once it is read, 64 levels, and 1000 keys in an object, for an
-/// object that keeps the order of its keys looks all of them through for each new one. Throws
-/// std::length_error where it has more, saying so, and Json::exception where it is not JSON.
+/// Parses a text from outside. Limits: `max_bytes` of memory once parsed, 64 levels, and 1000 keys per
+/// object, because an ordered object searches all its keys for each new one. Throws std::length_error naming
+/// the exceeded limit, and Json::exception if the text is not JSON.
 Json parse_bounded_json(std::string_view text, std::size_t max_bytes = kMaxJsonBytes);
 
 }  // namespace sslv

@@ -8,7 +8,7 @@
 namespace sslv {
 
 void keep_file(const std::string& name, int fd) {
-  // Memory never becomes ready for anything: systemd is not to wait for it.
+  // A memfd never becomes ready: systemd must not poll it.
   const std::string message = "FDSTORE=1\nFDPOLL=0\nFDNAME=" + name;
   sd_pid_notify_with_fds(0, 0, message.c_str(), &fd, 1);
 }

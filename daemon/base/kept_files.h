@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Open files that the service manager keeps while the service is down: systemd's file descriptor store. What
-// lies in memory that such a file is (memfd_create) outlives a crash. Without a service manager nothing is
+// Open files that the service manager keeps while the service is down (systemd's file descriptor store). The
+// contents of such an in-memory file (memfd_create) survive a crash. Without a service manager nothing is
 // kept.
 
 #include "base/open_file.h"
@@ -18,13 +18,14 @@ struct KeptFile {
   OpenFile file;
 };
 
-/// `name`: at most 255 letters, digits, '-' and '_'. From any thread.
+/// Hands the file to the service manager. `name`: at most 255 letters, digits, '-' and '_'. From any thread.
 void keep_file(const std::string& name, int fd);
-/// All of that name. From any thread.
+/// Releases all files of that name. From any thread.
 void forget_file(const std::string& name);
 
-/// Those with such a name that an earlier run of the service left; the service manager keeps them until they
-/// are forgotten. Changes the environment: to be called once, before there are threads.
+/// The files left by an earlier run whose name begins with `name_begins`; the service manager still keeps
+/// them until forget_file(). Changes the environment, so it must be called only once, before any thread
+/// starts.
 std::vector<KeptFile> take_kept_files(std::string_view name_begins);
 
 }  // namespace sslv

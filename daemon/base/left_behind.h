@@ -5,8 +5,9 @@
 
 namespace sslv {
 
-/// One lives in each thread that nobody waits for, from before the thread is let go of until its end. While
-/// there is one, the program must not end by exit(): that destroys what the thread may be using.
+/// Counts detached threads. Create an object before detaching a thread, and let the thread hold the object
+/// until its end. While any() is true, the program must not end by exit(), which destroys objects that the
+/// thread may use.
 class LeftBehind {
  public:
   LeftBehind() { ++count(); }

@@ -15,14 +15,14 @@
 #include <sys/stat.h>
 #include <sys/uio.h>
 #include <syslog.h>
-#define SD_JOURNAL_SUPPRESS_LOCATION  // of this file, which says nothing
+#define SD_JOURNAL_SUPPRESS_LOCATION  // the location would always be in this file
 #include <systemd/sd-journal.h>
 #include <unistd.h>
 
 namespace sslv::log {
 namespace {
 
-// Neither is ever destroyed: what ends after main() may still have something to say.
+// The logger and the ring buffer are never destroyed, because code that ends after main() may still log.
 
 spdlog::logger& logger() {
   static const auto& made = *new auto([] {

@@ -8,12 +8,12 @@
 
 #include <fmt/core.h>
 
-/// One line a message, to standard error with time and level, or to the journal where that is what standard
-/// error leads to: there with PRIORITY, with CAMERA for lines that begin with "camera 3", and with
-/// MESSAGE_ID=kAuditId for those that begin with "audit". The newest are kept for the panel.
+/// Writes one line per message to standard error with time and level, or to the journal if standard error is
+/// connected to it. Journal entries have PRIORITY, CAMERA if the line begins with "camera 3", and
+/// MESSAGE_ID=kAuditId if it begins with "audit". The newest lines are kept for the panel.
 namespace sslv::log {
 
-/// Of the lines that say who wanted to change something.
+/// MESSAGE_ID of the lines that say who requested a change.
 inline constexpr const char* kAuditId = "5f2f9a6ec1b74d1c9b0e8f4b6f0f6a1d";
 
 /// Messages below this level are not written. Default: info.
@@ -21,7 +21,7 @@ void set_level(Level level);
 
 void write(Level level, std::string_view message);
 
-/// The newest lines.
+/// The newest lines, from any thread.
 const LogRing& recent();
 
 template <class... Args>

@@ -8,7 +8,7 @@
 namespace sslv {
 namespace {
 
-constexpr int kTimes = 2;  // what was still in use the first time is free the second
+constexpr int kTimes = 2;  // memory still in use at the first call may be free at the second
 std::atomic<int> times_left{0};
 
 }  // namespace
@@ -19,7 +19,7 @@ void memory_was_used() noexcept {
 
 void give_memory_back() noexcept {
   int left = times_left;
-  // A call of memory_was_used() in between counts.
+  // A concurrent call of memory_was_used() wins.
   if (left > 0 && times_left.compare_exchange_strong(left, left - 1)) malloc_trim(0);
 }
 

@@ -3,13 +3,13 @@
 
 namespace sslv {
 
-/// Says that much memory was used for a moment, in many small pieces, and is free again or soon will be. The
-/// allocator keeps such pieces; give_memory_back() hands them to the system. From any thread; takes no lock.
+/// Call after using much memory briefly in many small allocations that are or will soon be free. The
+/// allocator keeps such memory; give_memory_back() returns it to the system. From any thread; takes no lock.
 void memory_was_used() noexcept;
 
-/// Once a second: hands free memory back to the system, this time and the next, if memory_was_used() was
-/// called since the last time. Threads that allocate meanwhile wait, some 10 ms where 100 MB are free: not
-/// for a thread of low priority.
+/// Call once a second. Returns free memory to the system, in this call and the next, if memory_was_used() was
+/// called since the last one. Blocks threads that allocate meanwhile, about 10 ms for 100 MB of free memory:
+/// do not call it from a thread of low priority.
 void give_memory_back() noexcept;
 
 }  // namespace sslv

@@ -7,7 +7,7 @@
 
 namespace sslv {
 
-/// A file descriptor that is closed in the end; -1: none.
+/// A file descriptor that the destructor closes; -1: none.
 class OpenFile {
  public:
   OpenFile() = default;

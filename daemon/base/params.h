@@ -11,7 +11,7 @@
 //     }
 //   };
 //
-// Reading, range checks, defaults, the JSON schema and with it the panel's widget follow from that line
+// Parsing, range checks, defaults, the JSON schema and the panel's widget are derived from that line
 // (params_json.h).
 
 #include <array>
@@ -23,15 +23,14 @@
 
 namespace sslv {
 
-/// How much a setting may hold where its line says nothing else: characters (Unicode code points) of a text,
-/// entries of a list.
+/// Default limits of a setting: characters (Unicode code points) of a text, entries of a list.
 inline constexpr std::size_t kMaxTextLength = 200, kMaxListItems = 256;
-/// Bytes of a file's name with its folders, less the one that ends it: PATH_MAX of Linux.
+/// Bytes of a path without the terminating zero: PATH_MAX of Linux minus 1.
 inline constexpr std::size_t kMaxPathLength = 4095;
-/// Values, characters of texts and keys, all together, of an object whose keys somebody else declares.
+/// Total values plus characters of texts and keys in an object whose keys are declared elsewhere.
 inline constexpr std::size_t kMaxObjectSize = 100'000;
 
-/// int, double or std::optional of them; the range is closed. An absent optional is JSON null.
+/// An int, a double or std::optional of them, in the closed range [min, max]. An empty optional is JSON null.
 template <class P, class V, class Limit>
 struct NumberField {
   std::string_view key;
@@ -41,6 +40,7 @@ struct NumberField {
   std::string_view help;
 };
 
+/// A switch.
 template <class P>
 struct FlagField {
   std::string_view key;
@@ -48,6 +48,7 @@ struct FlagField {
   std::string_view help;
 };
 
+/// A text; with `names_file` the name of a file, with `is_secret` never shown or logged.
 template <class P>
 struct TextField {
   std::string_view key;
@@ -58,6 +59,7 @@ struct TextField {
   bool is_secret = false;
 };
 
+/// One of an enum's values and its name in JSON.
 template <class E>
 struct Choice {
   std::string_view name;
@@ -73,7 +75,7 @@ struct ChoiceField {
   std::string_view help;
 };
 
-/// A nested struct with fields() of its own, or std::optional of one (JSON null when absent).
+/// A nested struct with its own fields(), or std::optional of one (JSON null when empty).
 template <class P, class S>
 struct GroupField {
   std::string_view key;
@@ -81,7 +83,7 @@ struct GroupField {
   std::string_view help;
 };
 
-/// A std::vector of structs with fields() of their own, or std::optional of one (JSON null when absent).
+/// A std::vector of structs with their own fields(), or std::optional of one (JSON null when empty).
 template <class P, class V>
 struct ListField {
   std::string_view key;
@@ -99,7 +101,7 @@ struct NamesField {
   std::size_t max_items = kMaxListItems;
 };
 
-/// A std::vector<int>, no number twice.
+/// A std::vector<int> of distinct numbers.
 template <class P>
 struct NumbersField {
   std::string_view key;
@@ -108,7 +110,7 @@ struct NumbersField {
   std::string_view help;
 };
 
-/// A closed interval [low, high] of integers, written as a JSON array of two.
+/// A closed interval [low, high] of integers, written as a JSON array of two numbers.
 template <class P>
 struct RangeField {
   std::string_view key;
@@ -118,18 +120,18 @@ struct RangeField {
   std::string_view help;
 };
 
-/// A list of [x, y], `min_points` to `max_points` of them.
+/// A list of `min_points` to `max_points` points [x, y].
 template <class P>
 struct PointListField {
   std::string_view key;
   std::vector<std::array<double, 2>> P::*member;
   std::size_t min_points, max_points;
-  double min, max;  // of x and y
+  double min, max;  // range of x and y
   std::string_view unit;
   std::string_view help;
 };
 
-/// A JSON object whose keys somebody else declares (a stage's parameters, a capture backend's options).
+/// A JSON object whose keys are declared elsewhere (a stage's parameters, a capture backend's options).
 template <class P, class J>
 struct ObjectField {
   std::string_view key;
@@ -147,18 +149,18 @@ template <class P>
 constexpr auto flag(std::string_view key, bool P::*member, std::string_view help) {
   return FlagField<P>{key, member, help};
 }
-/// Plain text (plain_text.h): anything else is refused.
+/// Plain text (plain_text.h); other text is refused.
 template <class P>
 constexpr auto text(std::string_view key, std::string P::*member, std::string_view help,
                     std::size_t max_length = kMaxTextLength) {
   return TextField<P>{key, member, help, max_length};
 }
-/// A password: any text; who checks passwords limits it. What is refused is not shown.
+/// A password. Any text; the code that checks passwords limits it. Refused values are not shown in errors.
 template <class P>
 constexpr auto secret(std::string_view key, std::string P::*member, std::string_view help) {
   return TextField<P>{key, member, help, kMaxTextLength, false, true};
 }
-/// The name of a file or folder on the daemon's computer: which ones the panel may set is limited.
+/// The path of a file or folder on the daemon's computer. The panel may set only some of these paths.
 template <class P>
 constexpr auto file(std::string_view key, std::string P::*member, std::string_view help) {
   return TextField<P>{key, member, help, kMaxPathLength, true};

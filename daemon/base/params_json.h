@@ -2,7 +2,7 @@
 #pragma once
 
 // JSON <-> parameter structs (params.h). Paths are JSON pointers (RFC 6901); every error names path, value
-// and what is allowed. Heavy templates: include it only where settings are read or written.
+// and what is allowed. Contains heavy templates: include this file only where settings are read or written.
 
 #include "base/error.h"
 #include "base/json.h"
@@ -18,7 +18,7 @@
 
 namespace sslv {
 
-/// Ignored in every object: JSON has no comments, and sample settings want them.
+/// Ignored in every object: JSON has no comments, but sample settings need them.
 inline constexpr std::string_view kCommentKey = "//";
 
 template <class T>
@@ -36,7 +36,7 @@ struct IsOptional<std::optional<T>> : std::true_type {
   throw SettingsError(path + ": " + shown + " is not allowed; expected " + allowed);
 }
 
-/// For a list that has more entries than it may.
+/// Throws SettingsError if the list has more than `max_items` entries.
 inline void check_count(const std::string& path, const Json& list, std::size_t max_items) {
   if (list.size() <= max_items) return;
   throw SettingsError(path + ": " + std::to_string(list.size()) +
@@ -77,12 +77,12 @@ V read_number(const Json& json, const std::string& path, Limit min, Limit max, s
       json.is_number_integer() || (json.is_number() && json.get<double>() == std::floor(json.get<double>()));
   if (!json.is_number() || (kInteger && !whole)) refuse(path, json, allowed);
   const double value = json.get<double>();
-  // Written so that NaN fails too.
+  // Negated so that NaN fails too.
   if (!(value >= static_cast<double>(min) && value <= static_cast<double>(max))) refuse(path, json, allowed);
   return json.get<V>();
 }
 
-/// The part of `params` that has the member: itself, or what it is derived from.
+/// The subobject of `params` that has the member: `params` itself or a base class.
 template <class P, class V>
 P& owner_of(std::type_identity_t<P>& params, V P::*) {
   return params;
@@ -237,8 +237,8 @@ void read_field(P& params, const ObjectField<P, J>& field, const Json& json, con
   params.*field.member = json;
 }
 
-/// Reads the keys that are present. Throws SettingsError for an unknown key or a value that is not allowed;
-/// `params` is then unspecified.
+/// Reads the keys that are present. Throws SettingsError for an unknown key or an invalid value; `params` is
+/// then unspecified.
 template <class P>
 void read_params(P& params, const Json& json, const std::string& path) {
   if (!json.is_object()) refuse(path.empty() ? "/" : path, json, "an object");
@@ -262,7 +262,7 @@ void read_params(P& params, const Json& json, const std::string& path) {
   }
 }
 
-/// Defaults of P with the keys of `json` read over them.
+/// The defaults of P, overridden by the keys of `json`.
 template <class P>
 P params_from_json(const Json& json, const std::string& path) {
   P params;
@@ -395,7 +395,7 @@ template <class P, class S>
 Json field_schema(const GroupField<P, S>&) {
   if constexpr (IsOptional<S>::value) {
     Json out = params_schema<typename IsOptional<S>::Value>();
-    // Named, not braced: clang 14 forgets to destroy a braced argument in a template.
+    // Not braced: clang 14 does not destroy a braced argument in a template.
     out["type"] = Json::array({"object", "null"});
     return out;
   } else {

@@ -20,13 +20,13 @@ bool is_plain(gunichar c) {
   return g_unichar_iscntrl(c) == FALSE && c != 0x2028 && c != 0x2029 && !changes_direction(c);
 }
 
-/// Calls `plain` with every plain character's bytes, `other` with every other character and `broken` with
-/// every byte that is not UTF-8.
+/// Calls `plain` with the bytes of each plain character, `other` with each other character and `broken` with
+/// each byte that is not UTF-8.
 template <class Plain, class Other, class Broken>
 void walk(std::string_view text, const Plain& plain, const Other& other, const Broken& broken) {
   constexpr auto kFirstError = static_cast<gunichar>(-2);
   while (!text.empty()) {
-    // GLib takes a zero byte for the end.
+    // GLib treats a zero byte as the end.
     const gunichar c =
         text.front() == '\0' ? 0 : g_utf8_get_char_validated(text.data(), static_cast<gssize>(text.size()));
     std::size_t size = 1;

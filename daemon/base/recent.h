@@ -10,7 +10,7 @@
 
 namespace sslv {
 
-/// The last 512 durations of something, written by one thread without a lock, read by any.
+/// Ring buffer of the last 512 durations, in ns. One thread adds durations without a lock; any thread reads.
 class RecentDurations {
  public:
   struct Percentiles {
@@ -23,10 +23,10 @@ class RecentDurations {
     count_.store(n + 1, std::memory_order_release);
   }
 
-  /// How many there have been, also those that are forgotten.
+  /// Number of durations added so far, including those that are overwritten.
   std::uint64_t count() const { return count_.load(std::memory_order_acquire); }
 
-  /// Those that came after the first `seen`, as far as they are still kept; in no order.
+  /// The durations added after the first `seen` and not yet overwritten, in no order.
   std::vector<std::int64_t> samples_ns(std::uint64_t seen = 0) const {
     const std::uint64_t n = count();
     std::vector<std::int64_t> samples;
@@ -35,7 +35,7 @@ class RecentDurations {
     return samples;
   }
 
-  /// Of the samples that samples_ns() returns. Zeros without any.
+  /// Percentiles of samples_ns(seen), in us. Zeros without samples.
   Percentiles percentiles(std::uint64_t seen = 0) const {
     std::vector<std::int64_t> sorted = samples_ns(seen);
     if (sorted.empty()) return {};

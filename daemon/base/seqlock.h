@@ -12,9 +12,10 @@
 
 namespace sslv {
 
-/// A value that one thread writes often and any thread reads whole. The writer never waits; a reader that
-/// meets a change reads again (a sequence lock: Boehm, "Can seqlocks get along with programming language
-/// memory models?", 2012). A reader more urgent than the writer must not wait for it: see try_load().
+/// A value that one thread writes often and any thread reads consistently. The writer never waits; a reader
+/// that meets a write retries (a sequence lock: Boehm, "Can seqlocks get along with programming language
+/// memory models?", 2012). A reader of higher priority than the writer must not retry in a loop: see
+/// try_load().
 template <class T>
 class Seqlock {
   static_assert(std::is_trivially_copyable_v<T>, "it is copied as bytes");
@@ -22,12 +23,12 @@ class Seqlock {
  public:
   Seqlock() { store(T{}); }
 
-  /// One thread at a time.
+  /// Must be called by one thread at a time.
   void store(const T& value) noexcept {
     std::array<std::uint64_t, kWords> copy{};
     std::memcpy(copy.data(), &value, sizeof value);
     const std::uint64_t sequence = sequence_.load(std::memory_order_relaxed);
-    sequence_.store(sequence + 1, std::memory_order_relaxed);  // odd: being written
+    sequence_.store(sequence + 1, std::memory_order_relaxed);  // odd: write in progress
     for (std::size_t i = 0; i < kWords; ++i) words_[i].store(copy[i], std::memory_order_release);
     sequence_.store(sequence + 2, std::memory_order_release);
   }
@@ -38,7 +39,7 @@ class Seqlock {
     }
   }
 
-  /// Nothing while it is being written.
+  /// No value while a write is in progress.
   std::optional<T> try_load() const noexcept {
     const std::uint64_t before = sequence_.load(std::memory_order_acquire);
     std::array<std::uint64_t, kWords> copy;

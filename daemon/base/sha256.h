@@ -6,7 +6,7 @@
 
 namespace sslv {
 
-/// 64 hexadecimal digits.
+/// The SHA-256 hash as 64 hexadecimal digits.
 std::string sha256_of(std::string_view bytes);
 
 }  // namespace sslv

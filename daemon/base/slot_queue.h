@@ -7,8 +7,8 @@
 
 namespace sslv {
 
-/// Hands values from one thread, which must never wait, to another. Slots are used again and keep what
-/// their values had reserved. What finds no room is not taken.
+/// Hands values from one thread, which must never wait, to another. Slots are reused and keep the memory that
+/// their values reserved. When all slots are full, new values are dropped.
 template <class T, std::size_t kSlots>
 class SlotQueue {
  public:
@@ -18,19 +18,19 @@ class SlotQueue {
     if (written - read_.load(std::memory_order_acquire) >= kSlots) return nullptr;
     return &slots_[written % kSlots];
   }
-  /// Hands over what was written.
+  /// Hands the written slot over.
   void write() noexcept { written_.fetch_add(1, std::memory_order_release); }
 
-  /// The oldest value that was handed over; null when there is none. For the reader.
+  /// The oldest value that was handed over; null if there is none. For the reader.
   const T* to_read() const noexcept {
     const std::size_t read = read_.load(std::memory_order_relaxed);
     if (read == written_.load(std::memory_order_acquire)) return nullptr;
     return &slots_[read % kSlots];
   }
-  /// Is done with it.
+  /// Releases the slot returned by to_read().
   void read() noexcept { read_.fetch_add(1, std::memory_order_release); }
 
-  /// For the thread that makes it, before any other uses it.
+  /// Calls `prepare` for each slot. For the creating thread, before any other uses the queue.
   template <class Prepare>
   void prepare(const Prepare& prepare) {
     for (T& slot : slots_) prepare(slot);

@@ -7,8 +7,8 @@
 
 namespace sslv {
 
-/// A value written rarely by one thread and read often by others. A reader holds an immutable version for as
-/// long as it likes; a writer never waits for readers. The mutex guards one pointer copy.
+/// A value written rarely by one thread and read often by other threads. A reader may hold an immutable
+/// version for any time; a writer never waits for readers. The mutex guards one pointer copy.
 template <class T>
 class Snapshot {
  public:

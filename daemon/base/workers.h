@@ -12,21 +12,21 @@
 
 namespace sslv {
 
-/// Threads that share the parts of one job with the thread that has it. They sleep between jobs. With no
-/// threads of its own the job is simply done by the caller.
+/// Threads that share the parts of one job with the calling thread. They sleep between jobs. Without threads,
+/// the caller does the whole job.
 class Workers {
  public:
-  /// They take over the caller's priority and processors. When the system gives no more threads, there are
-  /// only those that it gave: see threads().
+  /// The threads inherit the caller's priority and processors. If the system does not provide all threads,
+  /// there are fewer, see threads().
   explicit Workers(int threads) noexcept
       : Workers(threads, [](auto serve) { return std::jthread(std::move(serve)); }) {}
-  /// `make` starts a thread that does what it is given, or throws.
+  /// `make` starts a thread that runs the given function, or throws.
   template <class Make>
   Workers(int threads, const Make& make) noexcept {
     try {
       threads_.reserve(static_cast<std::size_t>(threads));
       for (int i = 0; i < threads; ++i) threads_.push_back(make([this] { serve(); }));
-    } catch (const std::exception&) {  // with those that are there, the caller alone at worst
+    } catch (const std::exception&) {  // continue with the threads created so far, or with the caller alone
     }
   }
   ~Workers() {
@@ -38,8 +38,8 @@ class Workers {
 
   int threads() const { return static_cast<int>(threads_.size()); }
 
-  /// Calls part(i) once for every i in [0, parts), from several threads at once, and returns when all calls
-  /// have. One job at a time. Allocates nothing; `part` must not throw.
+  /// Calls part(i) once for every i in [0, parts), from several threads in parallel, and returns when all
+  /// calls have returned. One job at a time. Allocates nothing; `part` must not throw.
   template <class Part>
   void run(int parts, const Part& part) noexcept {
     if (threads_.empty()) {
@@ -48,7 +48,7 @@ class Workers {
     }
     begin_job([](const void* context, int i) { (*static_cast<const Part*>(context))(i); }, &part, parts);
     take_parts();
-    // All parts are taken: wait for those who are still at theirs.
+    // All parts are taken: wait for the threads that are still working.
     for (int busy = busy_.load(std::memory_order_acquire); busy != 0;
          busy = busy_.load(std::memory_order_acquire))
       busy_.wait(busy, std::memory_order_acquire);
@@ -86,7 +86,7 @@ class Workers {
   Call call_ = nullptr;
   const void* context_ = nullptr;
   int parts_ = 0;
-  std::atomic<int> next_{0};           // part to be taken next
+  std::atomic<int> next_{0};           // next part to take
   std::atomic<int> busy_{0};           // threads that have not finished the job
   std::atomic<std::uint32_t> job_{0};  // number of the newest job
   std::atomic<bool> ending_{false};

@@ -16,8 +16,8 @@ namespace {
 
 struct Solution {
   RefinedCamera refined;
-  bool either_way_round = false;  // turned by half a turn it suits the image as well
-  bool only_one = true;           // no other part of the field suits the image
+  bool either_way_round = false;  // also fits rotated by 180 deg; unknown which is right
+  bool only_one = true;           // no other part of the field fits the image
 };
 
 CameraPrior prior_of(const CalibrationTask& task, const MeanPicture& picture) {
@@ -41,7 +41,7 @@ class Calibrator {
         field_curves_(task.field),
         curves_(field_curves_.measured(task.measured.value_or(LinesMeasured::kToMiddle))),
         clicks_(read_clicks(task.clicks, named_points(curves_))),
-        // Before the scale is known: about half a field's length across the image.
+        // The scale is not known yet: assumes that the image's width shows about 0.7 field lengths.
         picture_(find_line_pixels(picture, 1.4 * picture.width() * task.field.line_thickness /
                                                std::max(1000, task.field.field_length))),
         prior_(prior_of(task, picture)) {}
@@ -66,7 +66,7 @@ class Calibrator {
   }
 
  private:
-  /// How many clicks show what their names say.
+  /// Number of clicks that the guess assigns to the points that the user named.
   std::size_t agreeing(const PoseGuess& guess) const {
     if (!clicks_.names_known || guess.place_of_pixel.size() != clicks_.places.size()) return 0;
     std::size_t count = 0;
@@ -78,7 +78,8 @@ class Calibrator {
     std::vector<Eigen::Vector2d> places;
     for (const NamedPoint& place : clicks_.places) places.push_back(place.place_mm);
     auto guesses = guess_poses(pixels, places, true, task_.click_sigma_px, picture_, curves_, prior, stop_);
-    // The best of each way round: turned by half a turn, most of a field's lines fit as well.
+    // Keep the best guess of each orientation: most of a field's lines fit equally well when rotated by 180
+    // deg.
     constexpr double kMaxBehind = 0.45;
     constexpr std::size_t kMax = 3;
     std::vector<PoseGuess> chosen;
@@ -110,7 +111,7 @@ class Calibrator {
     for (auto other = tries.begin(); other != tries.end(); ++other) {
       constexpr double kAlike = 0.04;
       if (other == best || best->score - other->score > kAlike * best->solution.refined.expected) continue;
-      // Both ends of the field look alike: names, or what is known of the camera, must tell.
+      // Both ends of the field look alike: the clicks' names or knowledge about the camera must decide.
       const bool by_names = other->agreeing != best->agreeing && task_.plus_x == PlusX::kUnknown;
       const bool other_is_better = by_names ? other->agreeing > best->agreeing
                                             : is_right_way_round(other->solution.refined.camera, task_);
@@ -120,7 +121,7 @@ class Calibrator {
     return std::move(best->solution);
   }
 
-  /// With nobody pointing at anything: the best of what the straight lines suggest.
+  /// Without clicks: the best of the cameras that the straight lines suggest.
   std::optional<Solution> propose() {
     const Proposal proposal = propose_cameras(picture_, curves_, prior_, stop_);
     if (!proposal.problem.empty())
@@ -167,7 +168,7 @@ class Calibrator {
     return same(1) || (same_turned(curves_) && same(-1));
   }
 
-  /// The same image with the field turned by half a turn, which looks alike.
+  /// Refits the camera to the field rotated by 180 deg, which looks the same.
   void turn_round(RefinedCamera& refined) const {
     auto again = refine_again(picture_, turned_round(refined.camera), curves_, prior_, {}, stop_);
     if (again) refined = std::move(*again);
@@ -177,7 +178,8 @@ class Calibrator {
     return judge(refined, picture_, curves_, task_.field);
   }
 
-  /// One wrong click spoils the start: the one is looked for without which all else fits.
+  /// Leaves out each click in turn, because one wrong click spoils the initial guess. Returns the best
+  /// acceptable fit.
   std::optional<Solution> solve_without_one() {
     CameraPrior prior = prior_;
     prior.focal_share = std::min(prior.focal_share, 0.12);
@@ -218,7 +220,7 @@ class Calibrator {
   const CalibrationTask& task_;
   const std::stop_token& stop_;
   FieldCurves field_curves_;
-  std::span<const PaintedCurve> curves_;  // those in use
+  std::span<const PaintedCurve> curves_;  // the curves of field_curves_ in use
   Clicks clicks_;
   LinePicture picture_;
   CameraPrior prior_;

@@ -9,9 +9,9 @@
 
 namespace sslv {
 
-/// Calibrates a camera from its image, in a few tenths of a second to one; in several seconds when nothing
-/// fits. `stop` ends it early, with nothing found. Throws SettingsError for clicks that name no point, or are
-/// too few.
+/// Calibrates a camera from its image. Takes a few tenths of a second up to 1 s; several seconds if nothing
+/// fits. After a stop request it returns early with `found` false. Throws SettingsError if a click names a
+/// point that the field does not have, or if there are one to three clicks.
 CalibrationReport calibrate(const MeanPicture& picture, const CalibrationTask& task,
                             const std::stop_token& stop = {});
 

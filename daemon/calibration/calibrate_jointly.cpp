@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration/calibrate_jointly.h"
 
+#include "base/statistics.h"
 #include "calibration/choose_model.h"
 #include "calibration/describe.h"
 #include "calibration/judge.h"
 #include "calibration/publish.h"
-#include "calibration/statistics.h"
 
 #include <algorithm>
 #include <array>
@@ -17,16 +17,16 @@
 namespace sslv {
 namespace {
 
-/// How far lines may be from where the current calibration has them: a share of the image's width.
-constexpr double kWindowShare = 0.02, kMinWindowPx = 8;
-/// A camera that would hang this much higher or lower than it was said to: a share of its height. Robots
-/// whose height is 7 mm wrong do that.
+/// Search window around the lines' expected positions: share of the image's width, and minimum.
+constexpr double kWindowShare = 0.02, kMinJointWindowPx = 8;
+/// Largest accepted change of a camera's height, as a share of it. Robot heights that are 7 mm wrong cause
+/// such changes.
 constexpr double kHeightShare = 0.05;
-/// Cameras that differ by less than this agree, whatever they did before.
+/// Smaller disagreements are accepted even if they were smaller before.
 constexpr double kAgreeMm = 0.5;
 
-/// What the lines do not show, such as the height of a camera that looks straight down, stays as it is in
-/// force: somebody may have measured it.
+/// Parameters that the lines do not determine, such as the height of a camera that looks straight down, stay
+/// at their current values: somebody may have measured them.
 CameraPrior prior_in_force(const CameraCalibration& calibration, const MeanPicture& picture) {
   CameraPrior prior = camera_prior(picture.width(), picture.height(), picture.whole);
   prior.focal_px = calibration.focal_length;
@@ -34,7 +34,8 @@ CameraPrior prior_in_force(const CameraCalibration& calibration, const MeanPictu
   return prior;
 }
 
-/// How far apart a tie's two cameras have it.
+/// Distance in mm between the positions that the two cameras of a tie point (OverlapTie) give for it. Tie
+/// points that a camera cannot unproject are left out.
 std::vector<double> distances_mm(std::span<const LensCamera> cameras, std::span<const OverlapTie> ties) {
   std::vector<double> out;
   for (const OverlapTie& tie : ties) {
@@ -94,7 +95,7 @@ class JointCalibrator {
         continue;
       }
       LinePicture picture = find_line_pixels(view.picture, task_.field.line_thickness * start.px_per_mm());
-      const double window_px = std::max(kMinWindowPx, kWindowShare * start.width);
+      const double window_px = std::max(kMinJointWindowPx, kWindowShare * start.width);
       auto refined = refine_camera(picture, start, curves_, prior_in_force(view.calibration, view.picture),
                                    {window_px, false}, stop_);
       if (stop_.stop_requested()) return false;
@@ -108,7 +109,8 @@ class JointCalibrator {
     return refined_.size() == task_.cameras.size();
   }
 
-  /// What the field's sizes were measured to, which is the same for all, and each camera's lens.
+  /// Chooses the part of the lines to which the field's sizes were measured (the same for all cameras) and
+  /// each camera's lens model. Returns false if stopped or if a camera's lines are lost.
   bool fit_model() {
     const CalibrationModel model = choose_model(refined_, field_curves_, task_.measured);
     report_.measured = model.measured;
@@ -131,7 +133,7 @@ class JointCalibrator {
 
   void fill_report(const JointCalibration& joint) {
     report_.found = true;
-    std::vector<LensCamera> published;  // what is compared is what teams get
+    std::vector<LensCamera> published;  // the calibrations that teams get
     for (std::size_t i = 0; i < joint.cameras.size(); ++i) {
       JointCameraReport& out = report_.cameras[i];
       RefinedCamera& refined = refined_[i];
@@ -178,7 +180,7 @@ class JointCalibrator {
     if (const auto note = lens_note(wire)) report_.notes.push_back(who + *note);
   }
 
-  /// Which cameras see something that another one sees.
+  /// Finds the cameras that share a line or a tie point with another camera.
   void find_neighbours(std::span<const LensCamera> cameras) {
     has_neighbour_.assign(cameras.size(), false);
     for (const OverlapTie& tie : task_.ties)
@@ -234,7 +236,7 @@ class JointCalibrator {
   const JointTask& task_;
   const std::stop_token& stop_;
   FieldCurves field_curves_;
-  std::span<const PaintedCurve> curves_;  // those in use
+  std::span<const PaintedCurve> curves_;  // the curves of field_curves_ in use
   JointReport report_;
   std::vector<LensCamera> in_force_;
   std::vector<LinePicture> pictures_;

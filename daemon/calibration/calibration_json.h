@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A camera's calibration as JSON: what is asked for, and what came out. Both ways in, the panel's API and
-// ssl-visionctl, use these.
+// Request and report of a camera's calibration as JSON, for the panel's API and ssl-visionctl.
 
 #include "base/json.h"
 #include "base/params_json.h"
@@ -69,23 +68,23 @@ struct CalibrationRequest {
   }
 };
 
-/// Reads a request, or a bare list of points. Throws SettingsError for whatever is not allowed.
+/// Reads a request, or a bare list of points. Throws SettingsError for invalid values.
 CalibrationRequest read_calibration_request(const Json& json);
 
-/// The engine's task; `previous` is the current calibration.
+/// Converts a request to the engine's task. `previous`: the current calibration.
 CalibrationTask make_task(const CalibrationRequest& request, const FieldSize& field,
                           std::optional<CameraCalibration> previous);
 
-/// The whole report, as docs/openapi.json has it. What is no number is null.
+/// The whole report, as specified in docs/openapi.json. NaN and infinity become null.
 Json report_json(const CalibrationReport& report);
 
-/// The report's figures that are worth keeping.
+/// The figures that the history stores with a calibration.
 Json figures_json(const CalibrationReport& report);
 
-/// As a request names it.
+/// The name used in requests.
 const char* name_of(LinesMeasured measured);
 
-/// The points of the field that a request may name, with the places of their paint's middle.
+/// The points of the field that a request may name, with their positions (mm, middle of the paint).
 Json named_points_json(const FieldSize& field, LinesMeasured measured);
 
 }  // namespace sslv

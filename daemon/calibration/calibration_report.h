@@ -15,46 +15,46 @@ namespace sslv {
 
 struct LineFigure {
   std::string name;
-  int patches = 0, expected = 0;  // measured, and in view
+  int patches = 0, expected = 0;  // number of patches measured; number in view
   double rms_px = 0, worst_px = 0, rms_mm = 0;
 };
 
 struct ClickFigure {
-  std::string name;  // of the point it shows
+  std::string name;  // name of the field point matched to the click
   Eigen::Vector2d pixel, place_mm;
   double off_px = 0, off_mm = 0;
-  bool suspect = false;  // it shows no point that it could have meant
+  bool suspect = false;  // too far from every point that it could mean
 };
 
-/// Expected errors at places of the field, root mean square in mm.
+/// Expected RMS error in mm at a position on the field.
 struct ExpectedError {
   Eigen::Vector2d place_mm;
   double on_floor_mm = 0, at_150_mm = 0;
 };
 
-/// What came out, and how far it can be trusted.
+/// Result of a calibration, and its quality.
 struct CalibrationReport {
-  bool found = false;     // there is a calibration at all
-  bool accepted = false;  // and it is as good as such an image allows
+  bool found = false;     // there is a calibration
+  bool accepted = false;  // the calibration is the only one that explains the lines well
   CameraCalibration calibration;
-  LensCamera camera;  // with the lens as it is
+  LensCamera camera;  // with both radial terms
   LinesMeasured measured = LinesMeasured::kToMiddle;
-  double rms_px = 0, worst_px = 0, rms_mm = 0, worst_mm = 0;  // of lines
-  double found_share = 0;                                     // of the lines in view
-  double unexplained_share = 0;                               // of the bright stripes on the field
-  double coverage = 0;                                        // share of the image's field with lines found
-  double condition = 0;                                       // of the problem: 1 is best
-  double expected_on_floor_mm = 0, expected_at_150_mm = 0;    // over the field in view, root mean square
+  double rms_px = 0, worst_px = 0, rms_mm = 0, worst_mm = 0;  // over the line patches
+  double found_share = 0;                                     // share of the line patches in view
+  double unexplained_share = 0;  // share of the stripe pixels on the field that no line explains
+  double coverage = 0;           // share of the field's image cells that have measured lines
+  double condition = 0;          // condition number of the fit; 1 is best
+  double expected_on_floor_mm = 0, expected_at_150_mm = 0;  // RMS over the field in view
   double height_mm = 0, height_sigma_mm = 0;
-  double lens_rms_mm = 0, lens_worst_mm = 0;                 // what the wire's lens cannot say
-  std::optional<double> moved_on_floor_mm, moved_at_150_mm;  // from the previous one, root mean square
+  double lens_rms_mm = 0, lens_worst_mm = 0;                 // error of the protocol's lens model
+  std::optional<double> moved_on_floor_mm, moved_at_150_mm;  // RMS shift from the previous calibration
   std::vector<LineFigure> line_figures;
   std::vector<ClickFigure> click_figures;
-  std::vector<ClickFigure> control_points;  // where the field's points are in the image, to be looked at
+  std::vector<ClickFigure> control_points;  // the field's points in view, for checking by eye
   std::vector<ExpectedError> error_map;
-  std::vector<std::string> held;      // what the image does not determine: "focal length", "height", ...
-  std::vector<std::string> notes;     // for people: what to know
-  std::vector<std::string> problems;  // for people: what is wrong and what to do
+  std::vector<std::string> held;      // parameters not determined by the image: "focal length", "height", ...
+  std::vector<std::string> notes;     // texts for the user
+  std::vector<std::string> problems;  // texts for the user: what is wrong, what to do
 };
 
 }  // namespace sslv

@@ -12,22 +12,22 @@
 
 namespace sslv {
 
-/// Where the +x half of the field lies in the image. Asked for when both halves look alike.
+/// Side of the image where the +x half of the field lies. Needed when both halves look alike.
 enum class PlusX : std::uint8_t { kUnknown, kRight, kLeft, kUp, kDown };
 
 struct CalibrationTask {
   FieldSize field;
-  std::optional<LinesMeasured> measured;  // none: see choose_model()
-  /// Any four or more, in any order: names only say which points were meant. None: the corners are looked
-  /// for.
+  std::optional<LinesMeasured> measured;  // none: choose_model() decides
+  /// Four or more clicks, in any order; a name only states the point that was meant. Empty: propose_cameras()
+  /// starts from the straight lines in the image.
   std::vector<ClickedPoint> clicks;
   double click_sigma_px = 3;
   PlusX plus_x = PlusX::kUnknown;
-  std::optional<double> height_mm;  // of the camera, measured to
+  std::optional<double> height_mm;  // height of the camera above the floor, if measured
   double height_sigma_mm = 20;
-  std::optional<double> focal_px;  // of the lens, known to
-  double focal_share = 0.02;
-  std::optional<CameraCalibration> previous;  // to compare with
+  std::optional<double> focal_px;             // focal length of the lens, if known
+  double focal_share = 0.02;                  // standard deviation of focal_px, as a share of it
+  std::optional<CameraCalibration> previous;  // for comparison, and to distinguish the field's ends
 };
 
 }  // namespace sslv

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration/check_lines.h"
 
-#include "calibration/statistics.h"
+#include "base/statistics.h"
 
 #include <algorithm>
 #include <array>
@@ -14,22 +14,24 @@ namespace sslv {
 namespace {
 
 constexpr std::size_t kMaxPlaces = 200;
-constexpr int kMinPlaces = 5;     // of a line
-constexpr double kClearMm = 120;  // of other lines
-constexpr int kAlong = 3;         // samples along the line, kAlongPx apart
-constexpr int kMiddle = kAlong / 2;
+constexpr int kMinPlaces = 5;     // sample points per line
+constexpr double kClearMm = 120;  // minimum distance from other lines and from ends
+constexpr int kSamplesAlong = 3;  // samples along the line, kAlongPx apart
+constexpr int kMiddle = kSamplesAlong / 2;
 constexpr double kAlongPx = 2, kEndPx = kAlongPx * kMiddle;
-constexpr double kMinWindowMm = 60;  // to both sides, where the image ends
-constexpr double kMinStripe = 4;     // grey levels, and so many times what the profile scatters:
-constexpr double kMinScatters = 4;
-/// A stripe as good as this share of the best one counts where it is nearer.
+constexpr double kMinWindowMm = 60;  // minimum on each side, if the image's edge cuts the window
+constexpr double kMinStripe = 4;     // grey levels
+constexpr double kMinScatters = 4;   // times the median contrast along the profile
+/// A nearer stripe is preferred to the strongest stripe if it has at least this share of the strongest
+/// stripe's contrast.
 constexpr double kAsGood = 0.6;
-/// So far from where it should be, it is there.
+/// A line with a smaller offset is at its expected position.
 constexpr double kGoodMm = 30;
-/// Of a line's places. Robots and people stand on the others.
+/// A line is found if this share of its sample points has a stripe: robots and people may cover the other
+/// points.
 constexpr double kFoundShare = 0.4;
 
-/// Grey level, 0 .. 255. The pixel must have neighbours.
+/// Grey level, 0 .. 255. The pixel needs a right and a lower neighbour.
 double light_at(const ImageView& image, double x, double y) {
   const int column = static_cast<int>(x), row = static_cast<int>(y);
   const std::uint8_t* at = image.row(row);
@@ -44,20 +46,20 @@ double light_at(const ImageView& image, double x, double y) {
     case PixelFormat::kBayerGb8:
     case PixelFormat::kBayerBg8: break;
   }
-  // Whichever quad it is, two of its samples are green.
+  // Any 2 x 2 quad of a Bayer image contains two green samples.
   const std::uint8_t* below = image.row(row + 1);
   return (at[column] + at[column + 1] + below[column] + below[column + 1]) / 4.0;
 }
 
-/// By how much a stripe `width` samples wide around each place of the profile is brighter than both of its
-/// sides.
+/// For each sample of the profile, the contrast of a stripe `width` samples wide against the brighter of its
+/// two sides.
 std::vector<double> stripes(const std::vector<double>& profile, int width) {
   std::vector<double> sums(profile.size() + 1, 0);
   std::partial_sum(profile.begin(), profile.end(), sums.begin() + 1);
   const auto mean = [&](std::size_t begin, int count) {
     return (sums[begin + static_cast<std::size_t>(count)] - sums[begin]) / count;
   };
-  const int side = std::max(2, width), gap = 1;  // blur makes the gap neither line nor ground
+  const int side = std::max(2, width), gap = 1;  // the gap is blurred: neither line nor ground
   const int reach = width / 2 + gap + side;
   std::vector<double> out(profile.size(), 0);
   for (int i = reach; i + reach + width % 2 < static_cast<int>(profile.size()); ++i) {
@@ -69,7 +71,7 @@ std::vector<double> stripes(const std::vector<double>& profile, int width) {
   return out;
 }
 
-/// How far from `middle` the stripe is, in samples; nothing when none stands out.
+/// Offset of the stripe from `middle`, in samples; nothing if no stripe stands out.
 std::optional<double> find_stripe(const std::vector<double>& profile, double middle, double width) {
   const int whole = std::max(1, static_cast<int>(std::lround(width)));
   const std::vector<double> stripe = stripes(profile, whole);
@@ -83,7 +85,7 @@ std::optional<double> find_stripe(const std::vector<double>& profile, double mid
     const double here = stripe[i], before = stripe[i - 1], after = stripe[i + 1];
     if (here < kAsGood * best || here < before || here < after) continue;
     const double bend = before - 2 * here + after;
-    // The middle of a stripe with an even number of samples lies half a sample before the one it is named by.
+    // A stripe with an even number of samples has its middle half a sample before i.
     const double at = static_cast<double>(i) + (bend < 0 ? 0.5 * (before - after) / bend : 0) -
                       (whole % 2 == 0 ? 0.5 : 0) - middle;
     if (!nearest || std::abs(at) < std::abs(*nearest)) nearest = at;
@@ -91,10 +93,10 @@ std::optional<double> find_stripe(const std::vector<double>& profile, double mid
   return nearest;
 }
 
-/// Across a line: where it should be, and the way that counts as positive.
+/// Expected image of a point of a line. `across` points to the side where offsets are positive.
 struct Place {
-  Eigen::Vector2d pixel, along, across;  // both of length 1
-  double px_per_mm;                      // across
+  Eigen::Vector2d pixel, along, across;  // along, across: unit vectors
+  double px_per_mm;                      // across the line
 };
 
 std::optional<Place> place_of(const CameraModel& camera, const CurvePoint& point) {
@@ -107,7 +109,7 @@ std::optional<Place> place_of(const CameraModel& camera, const CurvePoint& point
   const auto beside = camera.project(point.place_mm + kStepMm * across);
   if (!next || !beside) return std::nullopt;
   Place out{.pixel = *here, .along = (*next - *here).normalized(), .across = {}, .px_per_mm = 0};
-  // Square to the line's image, which is where the stripe is narrowest.
+  // Perpendicular to the line's image, where the stripe is narrowest.
   out.across = {-out.along.y(), out.along.x()};
   const double px = out.across.dot(*beside - *here);
   if (px < 0) out.across = -out.across;
@@ -145,12 +147,12 @@ std::vector<LineSeen> check_lines(const ImageView& image, const CameraModel& cam
     profile.clear();
     for (int across = begin; across <= end; ++across) {
       double sum = 0;
-      for (int i = 0; i < kAlong; ++i) {
+      for (int i = 0; i < kSamplesAlong; ++i) {
         const Eigen::Vector2d at =
             place->pixel + across * place->across + (i - kMiddle) * kAlongPx * place->along;
         sum += light_at(image, at.x() + 0.5, at.y() + 0.5);
       }
-      profile.push_back(sum / kAlong);
+      profile.push_back(sum / kSamplesAlong);
     }
     if (const auto stripe = find_stripe(profile, -begin, curves[point.curve].width_mm * place->px_per_mm)) {
       ++line.found;
@@ -189,7 +191,8 @@ LinesVerdict judge_lines(std::span<const LineSeen> lines) {
 
 const FieldPreset* find_better_size(const ImageView& image, const CameraModel& camera, const FieldSize& size,
                                     const LinesVerdict& judged, double window_mm) {
-  // All lines of the true sizes are there, so no other sizes that share some of them have more that are good.
+  // With the true size, all lines are found, so a size that shares only some of these lines cannot have more
+  // good stripes.
   constexpr double kClearly = 1.3, kMaxMissing = 0.2;
   constexpr int kMinGood = 20;
   for (const FieldPreset& preset : field_presets()) {

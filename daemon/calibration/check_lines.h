@@ -12,33 +12,34 @@
 
 namespace sslv {
 
-/// How one painted line or arc lies in an image.
+/// Position of one painted line or arc in an image.
 struct LineSeen {
-  std::size_t curve = 0;  // of those that were looked for
-  int points = 0;         // places of it that the camera should show
-  int found = 0;          // of them, those where a stripe stands out
-  double offset_mm = 0;   // across the line, of the stripes from where they should be: their median
+  std::size_t curve = 0;  // index into the curves given
+  int points = 0;         // sample points in view
+  int found = 0;          // sample points with a stripe
+  double offset_mm = 0;   // median offset of the stripes from the expected line, across it
 };
 
-/// Looks for the painted lines near where the calibration puts them, at no more than some hundred places: a
-/// fraction of a millisecond, however large the image is. A place where something lies on the line counts as
-/// one without a stripe. Lines with fewer than five places in the image are left out. `window_mm`: how far to
-/// both sides.
+/// Searches for the painted lines up to `window_mm` to both sides of their expected positions, at about 200
+/// sample points at most. This takes a fraction of a millisecond for images of any size. A covered sample
+/// point counts as a sample point without a stripe. Lines with fewer than five sample points in the image are
+/// left out.
 std::vector<LineSeen> check_lines(const ImageView& image, const CameraModel& camera,
                                   std::span<const PaintedCurve> curves, double window_mm);
 
-/// What check_lines() found, as one figure for people.
+/// Summary of what check_lines() found.
 struct LinesVerdict {
-  int lines = 0;             // that could be judged
-  double worst_mm = 0;       // the largest offset of a line that was found
-  std::size_t worst = 0;     // which it is
-  double missing_share = 0;  // of the places: those on lines that were not found
-  int good = 0;              // places where a line was found, and near where it should be
+  int lines = 0;             // lines checked
+  double worst_mm = 0;       // largest absolute offset of a line that was found
+  std::size_t worst = 0;     // curve of that line
+  double missing_share = 0;  // share of the sample points that lie on lines not found
+  int good = 0;              // number of stripes on lines near their expected position
 };
 LinesVerdict judge_lines(std::span<const LineSeen> lines);
 
-/// Which of the league's field sizes suits the lines in this image clearly better than those that `judged` is
-/// of; null: none does. The camera may show no line that the wrong sizes have, so these alone look fine.
+/// The field size of the league that fits the lines in this image clearly better than `size`, whose verdict
+/// is `judged`; null if there is none. `judged` alone may look fine, because the lines that would contradict
+/// a wrong size may lie outside the image.
 const FieldPreset* find_better_size(const ImageView& image, const CameraModel& camera, const FieldSize& size,
                                     const LinesVerdict& judged, double window_mm);
 

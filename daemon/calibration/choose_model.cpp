@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration/choose_model.h"
 
-#include "calibration/statistics.h"
+#include "base/statistics.h"
 
 #include <utility>
 
 namespace sslv {
 namespace {
 
-/// The same sightings with the places that other curves have there.
+/// The sightings with their field points moved from the curves `from` to the corresponding points of `to`.
 std::vector<Sighting> on_curves(std::span<const Sighting> sightings, std::span<const PaintedCurve> from,
                                 std::span<const PaintedCurve> to) {
   std::vector<Sighting> out(sightings.begin(), sightings.end());
@@ -33,7 +33,7 @@ CameraFit fit(const RefinedCamera& refined, std::span<const Sighting> sightings,
                     {kCauchy, kMaxSteps});
 }
 
-/// All cameras with their sightings on one kind of lines.
+/// All cameras, fitted to the lines of one FieldCurves::measured().
 struct Fitted {
   std::vector<std::vector<Sighting>> sightings;
   std::vector<CameraFit> fits;

@@ -11,19 +11,21 @@
 
 namespace sslv {
 
-/// How to describe a field, and the lenses of the cameras over it.
+/// The part of the lines (middle or outer edge) to which the field's sizes were measured, and the lens model
+/// of each camera.
 struct CalibrationModel {
   struct Lens {
     bool two_radial = false;
-    LensCamera camera;  // a start for fitting that
+    LensCamera camera;  // initial value for fitting this model
   };
   LinesMeasured measured = LinesMeasured::kToMiddle;
   std::vector<Lens> lenses;
 };
 
-/// What suits best the cameras over one field that were fitted to its lines with one radial term, measured to
-/// their middle unless `given` says otherwise: another model is taken when it explains the lines clearly
-/// better. `given`: what the sizes were measured to, if known.
+/// Chooses the model for cameras over one field. The cameras must have been fitted with one radial term to
+/// the field's lines, for sizes measured to the middle of the lines unless `given` states otherwise. Another
+/// model is chosen only if it explains the lines clearly better. `given`: the part of the lines to which the
+/// sizes were measured, if known.
 CalibrationModel choose_model(std::span<const RefinedCamera> cameras, const FieldCurves& curves,
                               std::optional<LinesMeasured> given);
 

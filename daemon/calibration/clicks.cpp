@@ -10,7 +10,7 @@
 namespace sslv {
 namespace {
 
-constexpr double kFarClickPx = 16;  // in small images
+constexpr double kFarClickPx = 16;  // lower limit, for small images
 
 const NamedPoint& point_named(const std::string& name, std::size_t click,
                               std::span<const NamedPoint> points) {

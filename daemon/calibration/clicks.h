@@ -13,34 +13,34 @@
 
 namespace sslv {
 
-/// A point of the field that somebody pointed at in the image.
+/// A point of the field that somebody clicked in the image.
 struct ClickedPoint {
   Eigen::Vector2d pixel;
   std::string name;                         // one of named_points(), or empty
-  std::optional<Eigen::Vector2d> place_mm;  // instead of a name
+  std::optional<Eigen::Vector2d> place_mm;  // position on the field, instead of a name
 };
 
-/// Clicks, and the places that they may mean.
+/// Clicks, and the points of the field that they may mean.
 struct Clicks {
   std::vector<Eigen::Vector2d> pixels;
   std::vector<NamedPoint> places;
-  bool names_known = false;  // then place i was said for pixel i
+  bool names_known = false;  // true: places[i] was given for pixels[i]
 
-  /// What a click most likely means, seen by `camera`.
+  /// The point that a click most likely means, as seen by `camera`.
   struct Meaning {
-    const NamedPoint* place = nullptr;  // none: the camera shows none of them
+    const NamedPoint* place = nullptr;  // null: the camera shows none of the places
     double off_px = 1e9;
-    bool is_far = true;  // too far off to have been meant
+    bool is_far = true;  // the place is too far away to be meant
   };
   Meaning meaning(std::size_t pixel, const LensCamera& camera) const;
   bool has_far_one(const LensCamera& camera) const;
 };
 
-/// Further off than this, in shares of the image's width, nobody's hand is.
+/// Largest plausible click error, as a share of the image's width.
 inline constexpr double kFarClickShare = 0.012;
 
-/// `points` are the named points of the field. Throws SettingsError for clicks that name no point, or are too
-/// few.
+/// `points`: the named points of the field. Throws SettingsError if a click names none of these points, or if
+/// there are one to three clicks.
 Clicks read_clicks(std::span<const ClickedPoint> clicked, std::span<const NamedPoint> points);
 
 }  // namespace sslv

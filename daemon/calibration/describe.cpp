@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration/describe.h"
 
+#include "base/statistics.h"
 #include "calibration/measure_lines.h"
 #include "calibration/publish.h"
-#include "calibration/statistics.h"
 #include "calibration/way_round.h"
 
 #include <algorithm>
@@ -50,7 +50,7 @@ void add_line_figures(const Finding& finding, CalibrationReport& out) {
   }
 }
 
-/// Share of the cells of the image that show the field which have lines found in them.
+/// Share of the image cells showing the field that contain measured lines.
 double coverage(const RefinedCamera& refined, const FieldSize& field) {
   constexpr int kColumns = 6, kRows = 4;
   const LensCamera& camera = refined.camera;
@@ -135,7 +135,7 @@ void add_errors(const Finding& finding, CalibrationReport& out) {
   out.expected_at_150_mm = at_150.value();
 }
 
-/// What hardly became surer than it was before looking.
+/// Lists the parameters that the image hardly determines: their sigma is more than kHeldShare of the prior's.
 void add_held(const Finding& finding, CalibrationReport& out) {
   const LensCamera& camera = finding.refined.camera;
   const CameraPrior& prior = finding.prior;
@@ -167,7 +167,7 @@ bool is_held(const CalibrationReport& report, const char* name) {
   return std::find(report.held.begin(), report.held.end(), name) != report.held.end();
 }
 
-/// Of the problem, in units in which each parameter alone is known to 1.
+/// Condition number of the Jacobian with its columns scaled to unit length.
 double condition(const RefinedCamera& refined) {
   const auto changes = residuals_by_step(refined.camera, refined.sightings);
   CameraInformation information = changes.transpose() * changes;

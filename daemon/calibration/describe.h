@@ -16,7 +16,7 @@
 
 namespace sslv {
 
-/// What was found, and all that it is told by.
+/// A calibration that was found, and the data that describe() needs for its report.
 struct Finding {
   const CalibrationTask& task;
   const Clicks& clicks;
@@ -25,30 +25,30 @@ struct Finding {
   LinesMeasured measured;
   const RefinedCamera& refined;
   Verdict verdict;
-  bool either_way_round;  // turned by half a turn it suits the image as well
-  bool only_one;          // no other part of the field suits the image
+  bool either_way_round;  // also fits rotated by 180 deg; unknown which is right
+  bool only_one;          // no other part of the field fits the image
 };
 
-/// Figures for people and programs, and in plain words what to know and what to do.
+/// Makes the report: figures, and notes and problems in plain words.
 CalibrationReport describe(const Finding& finding);
 
-// What the joint calibration says too.
+// The joint calibration uses the following functions, too.
 
-/// What is wrong with a camera, in plain words; nothing when it is acceptable. `doubt`: what else may have
-/// gone wrong with lines that were not found.
+/// The problems of a camera, in plain words; empty if the camera is acceptable. `doubt`: second possible
+/// cause of missing lines, as the end of a question.
 std::vector<std::string> problems_of(const Verdict& verdict, const char* doubt);
 
-/// That the wire cannot describe this lens; nothing when it can.
+/// A note that the protocol cannot describe this lens; nothing if it can describe the lens.
 std::optional<std::string> lens_note(const Published& published);
 
-/// That its lines were found to lie as if this field's sizes had been measured to their outer edges.
+/// A note that the lines are at the positions for field sizes measured to the lines' outer edges.
 std::string outer_edge_note(const FieldSize& field);
 
-/// Places of the field that a camera shows, on a grid.
+/// Grid points of the field (mm) that a camera shows.
 std::vector<Eigen::Vector2d> places_in_view(const LensCamera& camera, const FieldSize& field);
 
-/// Between where two cameras see the same pixels on the plane z = height, root mean square in mm over places
-/// that `now` shows; nothing when `before` shows none of them.
+/// RMS distance in mm between the points that two cameras see in the same pixels on the plane z = height,
+/// over the points in `places_mm` that `now` shows; nothing if `before` shows none of these points.
 std::optional<double> moved_mm(const LensCamera& before, const LensCamera& now,
                                std::span<const Eigen::Vector2d> places_mm, double height_mm);
 

@@ -11,18 +11,19 @@
 namespace sslv {
 namespace {
 
-using Assignment = std::vector<std::size_t>;  // place of each pixel
+using Assignment = std::vector<std::size_t>;  // for each pixel, index of its place
 using Points = std::span<const Eigen::Vector2d>;
 
-/// Twice the area of a triangle, with the sense of its way round.
+/// Twice the signed area of a triangle; the sign gives its orientation.
 double turn_of(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
   const Eigen::Vector2d ab = b - a, ac = c - a;
   return ab.x() * ac.y() - ab.y() * ac.x();
 }
 
-/// In an image taken from above, y downwards, all triangles go the other way round.
+/// Whether a camera above the field may show the places at the pixels: then all triangles have opposite
+/// orientations in the image and on the field, because the image's y axis points down.
 bool is_from_above(Points pixels, Points places, const Assignment& place_of) {
-  constexpr double kMinPx2 = 400, kMinMm2 = 1e5;  // thinner ones may turn over by bad clicks
+  constexpr double kMinPx2 = 400, kMinMm2 = 1e5;  // inaccurate clicks may flip smaller triangles
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     for (std::size_t j = i + 1; j < pixels.size(); ++j) {
       for (std::size_t k = j + 1; k < pixels.size(); ++k) {
@@ -35,9 +36,9 @@ bool is_from_above(Points pixels, Points places, const Assignment& place_of) {
   return true;
 }
 
-/// The map of a camera that looks straight down: pixel = scale * turn * (x, -y) + shift.
+/// Projection of a camera that looks straight down: pixel = scale * rotation * (x, -y) + shift.
 struct Similarity {
-  double cos = 1, sin = 0;  // times the scale, in px per mm
+  double cos = 1, sin = 0;  // cosine and sine of the rotation, times the scale in px/mm
   Eigen::Vector2d shift_px;
 
   Eigen::Vector2d operator()(const Eigen::Vector2d& place_mm) const {
@@ -47,7 +48,7 @@ struct Similarity {
   double px_per_mm() const { return std::hypot(cos, sin); }
 };
 
-/// By least squares.
+/// Least-squares fit.
 Similarity similarity_of(Points pixels, Points places) {
   Eigen::Vector2d middle_px(0, 0), middle_mm(0, 0);
   const auto flipped = [&](std::size_t i) { return Eigen::Vector2d(places[i].x(), -places[i].y()); };
@@ -68,7 +69,7 @@ Similarity similarity_of(Points pixels, Points places) {
   return out;
 }
 
-/// A camera looking straight down that shows the field as the similarity does.
+/// A camera looking straight down that projects the field like the similarity `map`.
 LensCamera looking_down(const Similarity& map, int width_px, int height_px, const CameraPrior& prior) {
   LensCamera out;
   out.width = width_px;
@@ -86,7 +87,7 @@ LensCamera looking_down(const Similarity& map, int width_px, int height_px, cons
   return out;
 }
 
-/// All orders in which the pixels may show the places, when there are few.
+/// For few places: adds all assignments of pixels to places.
 void add_permutations(Points pixels, Points places, std::vector<Assignment>& out) {
   Assignment order(places.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -97,7 +98,8 @@ void add_permutations(Points pixels, Points places, std::vector<Assignment>& out
   } while (std::next_permutation(order.begin(), order.end()));
 }
 
-/// Assignments that two pixels for two places suggest to the others, when there are many.
+/// For many places: assigns two pixels to two places, and each other pixel to the place that is nearest under
+/// the similarity through these two.
 void add_by_pairs(Points pixels, Points places, const LinePicture& picture, std::vector<Assignment>& out,
                   const std::stop_token& stop) {
   struct Candidate {
@@ -106,7 +108,7 @@ void add_by_pairs(Points pixels, Points places, const LinePicture& picture, std:
   };
   std::vector<Candidate> candidates;
   const double width = picture.width();
-  const double max_off_px = 0.12 * width;  // tilt and distortion bend the similarity
+  const double max_off_px = 0.12 * width;  // tilt and distortion deviate from the similarity
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     for (std::size_t j = i + 1; j < pixels.size(); ++j) {
       if (stop.stop_requested()) return;
@@ -155,8 +157,8 @@ CameraFit camera_of_points(Points pixels, Points places_mm, double sigma_px, int
                            const CameraPrior& prior) {
   std::vector<Sighting> sightings(pixels.size());
   LensCamera camera = looking_down(similarity_of(pixels, places_mm), width_px, height_px, prior);
-  // A tilted camera is far from one that looks down: first roughly, or the solver cuts off a corner and is
-  // caught.
+  // A tilted camera is far from the start, which looks straight down. Fit with a coarse sigma first: with the
+  // final sigma alone, the solver may end in a wrong minimum.
   CameraFit fit;
   for (const double sigma : {0.02 * width_px, sigma_px}) {
     for (std::size_t i = 0; i < pixels.size(); ++i) {
@@ -214,7 +216,7 @@ std::vector<PoseGuess> guess_poses(Points pixels, Points places_mm, bool any_ord
     if (stop.stop_requested()) return {};
     std::vector<Eigen::Vector2d> places;
     for (const std::size_t place : place_of) places.push_back(places_mm[place]);
-    // Four corners do not show the distortion: the lines will.
+    // Four corners do not determine the distortion: try several distortions, and choose by the lines.
     PoseGuess best;
     best.evidence = -1;
     for (const double k1 : {0.0, 0.05, 0.1, 0.17, 0.25, 0.35, 0.5}) {

@@ -14,35 +14,35 @@
 
 namespace sslv {
 
-/// A camera that shows the given points where they were seen, and how well it suits the image's lines.
+/// A camera that shows the given points at their pixels, and the quality of its fit to the lines in the
+/// image.
 struct PoseGuess {
   LensCamera camera;
-  std::vector<std::size_t> place_of_pixel;  // index into the places, of each pixel
-  double rms_px = 0;                        // of the points
+  std::vector<std::size_t> place_of_pixel;  // for each pixel, index into the places
+  double rms_px = 0;                        // rms residual of the points
   double evidence = 0;  // 0 .. 1: share of the lines expected in view that lie on bright stripes
 };
 
-/// Cameras for which the pixels show some of the places, one each, best evidence first: at least three
-/// pixels. Which pixel shows which place is found out when `any_order`; otherwise pixel i shows place i. A
-/// camera looks at the field from above, so that mirrored assignments are none. `click_sigma_px` is how exact
-/// the pixels are. None once it is told to stop.
+/// Cameras for which each pixel shows a different place, best evidence first. Needs at least three pixels.
+/// With `any_order`, the assignment of pixels to places is searched, too; otherwise pixel i shows place i.
+/// Cameras look at the field from above, so mirrored assignments are rejected. `click_sigma_px`: accuracy of
+/// the pixels. Empty after a stop request.
 std::vector<PoseGuess> guess_poses(std::span<const Eigen::Vector2d> pixels,
                                    std::span<const Eigen::Vector2d> places_mm, bool any_order,
                                    double click_sigma_px, const LinePicture& picture,
                                    std::span<const PaintedCurve> curves, const CameraPrior& prior,
                                    const std::stop_token& stop = {});
 
-/// A camera that shows each place where it was seen, as far as the prior lets it: found from nothing but that
-/// it looks down.
+/// Fits a camera to points and the prior. The fit starts from a camera that looks straight down.
 CameraFit camera_of_points(std::span<const Eigen::Vector2d> pixels,
                            std::span<const Eigen::Vector2d> places_mm, double sigma_px, int width_px,
                            int height_px, const CameraPrior& prior);
 
-/// Share of the lines expected in view that lie on bright stripes, 0 .. 1; little is seen: less.
+/// Share of the lines expected in view that lie on bright stripes, 0 .. 1; reduced if few points are in view.
 double line_evidence(const LensCamera& camera, std::span<const CurvePoint> points,
                      const LinePicture& picture);
 
-/// Points of the lines to look for evidence at.
+/// Points of the lines for line_evidence().
 std::vector<CurvePoint> evidence_points(std::span<const PaintedCurve> curves);
 
 }  // namespace sslv

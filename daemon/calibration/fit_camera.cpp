@@ -1,23 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration/fit_camera.h"
 
+#include "base/statistics.h"
 #include "calibration/least_squares.h"
-#include "calibration/statistics.h"
 
 #include <cmath>
 #include <limits>
 
 #include <Eigen/Dense>
-#include <unsupported/Eigen/NonLinearOptimization>
 
 namespace sslv {
 namespace {
 
-/// In sigmas, for places that the camera cannot show.
+/// Residual in sigmas for places that the camera cannot show.
 constexpr double kUnseen = 1e3;
 
-/// Residuals and their changes, as rows: two for a point, one for a line, and those of the prior.
-class Problem : public LeastSquaresTypes {
+/// Residuals and their Jacobian. Rows: two per point sighting, one per line sighting, then the prior's.
+class Problem final : public LeastSquares {
  public:
   Problem(const LensCamera& start, std::span<const Sighting> sightings, const CameraPrior& prior,
           double cauchy)
@@ -25,21 +24,21 @@ class Problem : public LeastSquaresTypes {
     for (const Sighting& sighting : sightings) rows_ += sighting.normal ? 1 : 2;
   }
 
-  int inputs() const { return kCameraParams; }
-  int values() const { return sighting_rows() + PriorRows::kCount; }
+  int inputs() const override { return kCameraParams; }
+  int values() const override { return sighting_rows() + PriorRows::kCount; }
   int sighting_rows() const { return rows_; }
 
-  int operator()(const InputType& x, ValueType& out) const {
+  int operator()(const Eigen::VectorXd& x, Eigen::VectorXd& out) const override {
     visit(x, &out, nullptr);
     return 0;
   }
-  int df(const InputType& x, JacobianType& out) const {
+  int df(const Eigen::VectorXd& x, Eigen::MatrixXd& out) const override {
     visit(x, nullptr, &out);
     return 0;
   }
 
  private:
-  void visit(const InputType& x, ValueType* values, JacobianType* changes) const {
+  void visit(const Eigen::VectorXd& x, Eigen::VectorXd* values, Eigen::MatrixXd* changes) const {
     const SteppedCamera stepped(start_, CameraStep(x));
     int row = 0;
     const auto add = [&](double off, const Eigen::Matrix<double, 1, kCameraParams>& by_step) {
@@ -78,24 +77,21 @@ bool is_sane(const LensCamera& camera) {
          camera.focal_px > 10 && camera.focal_px < 1e6;
 }
 
-/// Down to where no step helps any more.
+/// Iterates until no step reduces the cost.
 void descend(LensCamera& camera, double& cost, std::span<const Sighting> sightings, const CameraPrior& prior,
              const FitOptions& options) {
-  // Restarted from where it arrived, the steps' parameters are again small changes of a camera near by.
+  // Restarting from the result makes the step's parameters small changes of a nearby camera again.
   constexpr int kRounds = 4;
   int steps_left = options.max_steps;
   for (int round = 0; round < kRounds && steps_left > 0; ++round) {
     Problem problem(camera, sightings, prior, options.cauchy);
-    Eigen::LevenbergMarquardt<Problem> solver(problem);
-    solver.parameters.maxfev = steps_left;
-    solver.parameters.ftol = solver.parameters.xtol = 1e-10;
     Eigen::VectorXd step = Eigen::VectorXd::Zero(kCameraParams);
-    solver.minimize(step);
-    steps_left -= static_cast<int>(solver.nfev);
+    const Minimum found = minimise(problem, step, steps_left, 1e-10);
+    steps_left -= found.evaluations;
     const LensCamera next = moved(camera, CameraStep(step));
     if (!is_sane(next)) break;
     camera = next;
-    cost = 0.5 * solver.fnorm * solver.fnorm;
+    cost = found.cost;
     if (step.norm() < 1e-6) break;
   }
 }
@@ -108,8 +104,8 @@ CameraFit fit_camera(const LensCamera& start, std::span<const Sighting> sighting
   out.camera = start;
   out.cost = std::numeric_limits<double>::infinity();
   descend(out.camera, out.cost, sightings, prior, options);
-  // A focal length that the sightings hardly show may have gone far up its valley, from where steps are slow
-  // to come back: started again at its expected value, they need not.
+  // If the sightings hardly determine the focal length, the fit may end far along the valley, from where it
+  // returns slowly. Fit again from the expected focal length and keep the better camera.
   constexpr double kFarSigmas = 1.5;
   const double grown = std::log(out.camera.focal_px / prior.focal_px);
   if (std::abs(grown) > kFarSigmas * prior.focal_share) {

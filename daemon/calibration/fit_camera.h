@@ -13,13 +13,13 @@
 
 namespace sslv {
 
-/// A place of the field that was seen somewhere: at a point, or somewhere on a line.
+/// A point of the field seen in the image: at `pixel`, or anywhere on the line through `pixel`.
 struct Sighting {
   Eigen::Vector3d place_mm;
   Eigen::Vector2d pixel;
-  std::optional<Eigen::Vector2d> normal;  // of the line, of length 1; none: at the point
+  std::optional<Eigen::Vector2d> normal;  // unit normal of the line; none: seen at `pixel`
   double sigma_px = 1;
-  std::size_t curve = 0;  // the painted line it belongs to
+  std::size_t curve = 0;  // index of the painted line it belongs to
 };
 
 using CameraInformation = Eigen::Matrix<double, kCameraParams, kCameraParams>;
@@ -28,25 +28,27 @@ struct CameraFit {
   LensCamera camera;
   double cost = 0;  // half the sum of squares, priors included
   CameraInformation by_sightings = CameraInformation::Zero(), by_prior = CameraInformation::Zero();
-  double rms = 0;  // of the sightings, in their sigmas
+  double rms = 0;  // rms residual of the sightings, in sigmas
 };
 
 struct FitOptions {
-  /// Sightings this many sigmas off count little (Cauchy's loss); 0: all count by their square.
+  /// Scale of the Cauchy loss in sigmas: larger residuals count little. 0: least squares.
   double cauchy = 0;
   int max_steps = 40;
 };
 
-/// The likeliest camera: Levenberg and Marquardt's method (MINPACK's, as in Eigen), started from `start`.
+/// Maximum a posteriori camera, by Levenberg-Marquardt (MINPACK's, as in Eigen) from `start`.
 CameraFit fit_camera(const LensCamera& start, std::span<const Sighting> sightings, const CameraPrior& prior,
                      const FitOptions& options = {});
 
-/// What each sighting is off, in sigmas: along the normal, or the distance.
+/// Residual of each sighting in sigmas: along its normal, or the distance if the sighting has no normal. 1000
+/// for a place that the camera cannot show.
 std::vector<double> residuals(const LensCamera& camera, std::span<const Sighting> sightings);
-/// The same in pixels.
+/// Like residuals(), in pixels.
 std::vector<double> residuals_px(const LensCamera& camera, std::span<const Sighting> sightings);
 
-/// Change of each line sighting's residual by the camera's parameters (rows), at the camera.
+/// Jacobian of the line sightings' residuals (in sigmas) by the step parameters, at `camera`: one row per
+/// sighting, 0 for point sightings and places not shown.
 Eigen::Matrix<double, Eigen::Dynamic, kCameraParams> residuals_by_step(const LensCamera& camera,
                                                                        std::span<const Sighting> sightings);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Several cameras' calibration as JSON: what is asked for, and what came out.
+// Request and report of the joint calibration of several cameras as JSON.
 
 #include "base/json.h"
 #include "base/params.h"
@@ -28,10 +28,10 @@ struct JointCalibrationRequest {
   }
 };
 
-/// The whole report, as docs/openapi.json has it.
+/// The whole report, as specified in docs/openapi.json.
 Json report_json(const JointReport& report);
 
-/// The figures of one camera that are worth keeping.
+/// The figures that the history stores with one camera's calibration.
 Json joint_figures_json(const JointReport& report, const JointCameraReport& camera);
 
 }  // namespace sslv

@@ -10,21 +10,21 @@
 
 namespace sslv {
 
-/// How far a camera explains an image of the field.
+/// Measures of how well a camera explains an image of the field.
 struct Verdict {
   double rms_px = 0;
-  double found_share = 0;        // of the lines in view
-  double unexplained_share = 0;  // of the bright stripes on the field: on none of its lines
+  double found_share = 0;        // share of the line patches in view
+  double unexplained_share = 0;  // share of the stripe pixels on the field that no line explains
 
-  /// Stripes that are no lines count against lines found: a camera that is taken for another always leaves
-  /// some, and missing lines leave none.
+  /// found_share minus a multiple of unexplained_share. A wrong camera always leaves stripes unexplained;
+  /// lines that are missing on the floor do not.
   double credit() const;
   bool lines_are_near() const;
   bool lines_are_found() const;
   bool is_acceptable() const { return lines_are_near() && lines_are_found(); }
 };
 
-inline constexpr double kMaxRmsPx = 0.6;  // of lines that are near
+inline constexpr double kMaxRmsPx = 0.6;  // limit of lines_are_near()
 
 Verdict judge(const RefinedCamera& refined, const LinePicture& picture, std::span<const PaintedCurve> curves,
               const FieldSize& field);

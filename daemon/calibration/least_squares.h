@@ -7,24 +7,36 @@
 
 namespace sslv {
 
-/// What Eigen's solver wants to know of a problem.
-struct LeastSquaresTypes {
-  using Scalar = double;
-  using InputType = Eigen::VectorXd;
-  using ValueType = Eigen::VectorXd;
-  using JacobianType = Eigen::MatrixXd;
+/// Residuals whose sum of squares is minimised. A negative return value ends the solver.
+class LeastSquares {
+ public:
+  virtual ~LeastSquares() = default;
+  virtual int inputs() const = 0;
+  virtual int values() const = 0;
+  virtual int operator()(const Eigen::VectorXd& x, Eigen::VectorXd& values) const = 0;
+  /// The Jacobian: values() rows, inputs() columns.
+  virtual int df(const Eigen::VectorXd& x, Eigen::MatrixXd& changes) const = 0;
 };
 
-/// Cauchy's loss: residuals many sigmas off count little.
-struct CauchyLoss {
-  double sigmas = 0;  // from where on; 0: all count by their square
+struct Minimum {
+  int evaluations = 0;
+  double cost = 0;  // half the sum of squares
+};
 
-  /// What to take for a residual so that its square is the loss.
+/// Moves `x` to a minimum by Levenberg-Marquardt, with at most `max_evaluations` of the residuals. Stops when
+/// x or the cost changes by less than `tolerance`, relatively.
+Minimum minimise(LeastSquares& problem, Eigen::VectorXd& x, int max_evaluations, double tolerance);
+
+/// Cauchy loss: large residuals count little.
+struct CauchyLoss {
+  double sigmas = 0;  // scale of the loss; 0: least squares
+
+  /// Transformed residual, whose square is the loss.
   double value(double residual) const {
     if (sigmas <= 0) return residual;
     return std::copysign(sigmas * std::sqrt(std::log1p(residual * residual / (sigmas * sigmas))), residual);
   }
-  /// Change of that with the residual.
+  /// Derivative of value().
   double slope(double residual) const {
     if (sigmas <= 0 || residual == 0) return 1;
     return residual / (1 + residual * residual / (sigmas * sigmas)) / value(residual);

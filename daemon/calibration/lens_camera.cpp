@@ -9,11 +9,11 @@
 namespace sslv {
 namespace {
 
-/// The map is taken for one-to-one where it grows at least so fast.
+/// Smallest slope at which the distortion counts as one-to-one.
 constexpr double kMinSlope = 0.05;
 
 struct Distorted {
-  double radius, slope;  // slope: of the undistorted radius by the distorted one
+  double radius, slope;  // slope: d undistorted / d distorted
 };
 
 std::optional<Distorted> distort(double undistorted, double k1, double k2) {
@@ -26,7 +26,7 @@ std::optional<Distorted> distort(double undistorted, double k1, double k2) {
     if (slope < kMinSlope) return std::nullopt;
     const double step = (r * (1 + r2 * (k1 + k2 * r2)) - undistorted) / slope;
     r -= step;
-    if (std::abs(step) < 1e-8) break;  // its square is what is left
+    if (std::abs(step) < 1e-8) break;  // Newton's method: the remaining error is about its square
   }
   if (!std::isfinite(r)) return std::nullopt;
   return Distorted{r, slope};
@@ -54,7 +54,8 @@ Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& turn) {
          (angle - std::sin(angle)) / (a2 * angle) * k * k;
 }
 
-/// From the floor's point on the optical axis, or straight below a camera that does not look down, to it.
+/// Vector in mm to the camera from the point where its optical axis meets the floor, or from the floor below
+/// the camera if the camera does not look down.
 Eigen::Vector3d above_floor(const LensCamera& camera) {
   const Eigen::Vector3d axis = camera.rotation.row(2);
   if (axis.z() < -0.3) return axis * (camera.position_mm.z() / axis.z());

@@ -10,9 +10,9 @@
 
 namespace sslv {
 
-/// A camera as calibration knows it: as CameraModel, with a second radial term, so that a lens which the
-/// wire's one term cannot describe does not bend everything else. With undistorted and distorted radius in
-/// units of the focal length: undistorted = distorted (1 + k1 distorted^2 + k2 distorted^4) (Brown 1971).
+/// CameraModel with a second radial term, so that a lens which the protocol's one term cannot describe does
+/// not bias the other parameters. With radii in units of the focal length: undistorted = distorted (1 + k1
+/// distorted^2 + k2 distorted^4) (Brown 1971).
 struct LensCamera {
   int width = 0, height = 0;  // px
   double focal_px = 1, center_x = 0, center_y = 0, k1 = 0, k2 = 0;
@@ -23,18 +23,18 @@ struct LensCamera {
   std::optional<Eigen::Vector2d> unproject(const Eigen::Vector2d& pixel, double height_mm) const;
   /// Whether a pixel is in the image, `margin_px` or more from its edge.
   bool is_in_picture(const Eigen::Vector2d& pixel, double margin_px = 0) const;
-  /// On the floor below the camera.
+  /// Scale on the floor below the camera.
   double px_per_mm() const { return focal_px / std::max(1.0, position_mm.z()); }
 };
 
 LensCamera lens_camera(const CameraCalibration& calibration);
 
-/// Whether it looks down from where it sees 1.5 to 20 m across: fits of a wrong guess may end anywhere.
+/// Whether the camera looks down and sees 1.5 to 20 m across. Fits from a wrong guess may end anywhere.
 bool is_plausible(const LensCamera& camera);
 
-/// What may change, in units of some like effect on the image. The first one changes the focal length by
-/// exp(step) and with it the distance from the floor along the optical axis and the distortion: an image of
-/// a plane hardly shows that, so that a solver sees a straight valley instead of a bent one.
+/// Parameters of a step, in units of similar effect on the image. kZoom changes the focal length by
+/// exp(step), and with it the distance from the floor along the optical axis and the distortion. The image of
+/// a plane hardly changes with such a step, so that the cost has a straight valley instead of a curved one.
 enum CameraParam {
   kZoom,
   kCenterX,  // px
@@ -54,22 +54,22 @@ using CameraStep = Eigen::Matrix<double, kCameraParams, 1>;
 /// `camera` after a step.
 LensCamera moved(const LensCamera& camera, const CameraStep& step);
 
-/// The image of a point after a step, and its change by the step's parameters.
+/// Pixel of a point after a step, and its Jacobian by the step's parameters.
 struct SteppedPixel {
   Eigen::Vector2d pixel;
   Eigen::Matrix<double, 2, kCameraParams> by_step;
 };
 
-/// A camera after a step that knows how its images change with it.
+/// A camera after a step, with derivatives by the step's parameters.
 class SteppedCamera {
  public:
   SteppedCamera(const LensCamera& start, const CameraStep& step);
 
   const LensCamera& camera() const { return camera_; }
   std::optional<SteppedPixel> project(const Eigen::Vector3d& point_mm) const;
-  /// Change of the camera's height above the floor, in mm, by the step's parameters.
+  /// Derivative of the camera's height above the floor, in mm.
   CameraStep height_by_step() const;
-  /// Change of the radial terms.
+  /// Derivatives of the radial terms.
   CameraStep k1_by_step() const;
   CameraStep k2_by_step() const;
 
@@ -78,8 +78,8 @@ class SteppedCamera {
   double k2_by_zoom() const;
 
   LensCamera start_, camera_;
-  double grow_;                    // exp of the zoom
-  Eigen::Vector3d along_axis_mm_;  // change of the position by the zoom
+  double grow_;                    // exp(kZoom)
+  Eigen::Vector3d along_axis_mm_;  // derivative of the position by kZoom
   Eigen::Matrix3d turn_by_step_;   // left Jacobian of the rotation
 };
 

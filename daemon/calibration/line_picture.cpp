@@ -34,11 +34,11 @@ void add_rgb_row(const ImageView& frame, int y, std::array<float*, 3> out) {
   }
 }
 
-/// Each missing colour is the mean of its nearest samples: two or four of the 3x3 around.
+/// Each missing colour is the mean of its nearest samples: two or four samples of the 3x3 around.
 void add_bayer_row(const ImageView& frame, int y, std::array<float*, 3> out) {
   const int red_x = frame.format == PixelFormat::kBayerGr8 || frame.format == PixelFormat::kBayerBg8 ? 1 : 0;
   const int red_y = frame.format == PixelFormat::kBayerGb8 || frame.format == PixelFormat::kBayerBg8 ? 1 : 0;
-  // Beyond the edges the image is mirrored, which keeps the colours in their places.
+  // Mirrors the image at its edges, which keeps the phase of the Bayer pattern.
   const auto inside = [](int at, int size) { return at < 0 ? -at : at >= size ? 2 * size - 2 - at : at; };
   const std::uint8_t* rows[3];
   for (int j = -1; j <= 1; ++j) rows[j + 1] = frame.row(inside(y + j, frame.height));
@@ -50,7 +50,7 @@ void add_bayer_row(const ImageView& frame, int y, std::array<float*, 3> out) {
     const float corners = mean(rows[0][left] + rows[0][right] + rows[2][left] + rows[2][right], 4);
     const float cross = (beside + above) / 2;
     const bool in_red_column = (x & 1) == red_x, in_red_row = (y & 1) == red_y;
-    if (in_red_column == in_red_row) {  // a red or a blue one
+    if (in_red_column == in_red_row) {  // a red or blue sample
       out[in_red_row ? 0 : 2][x] += here;
       out[1][x] += cross;
       out[in_red_row ? 2 : 0][x] += corners;
@@ -95,7 +95,7 @@ FloatPicture blurred(const FloatPicture& in, double sigma_px) {
   return out;
 }
 
-/// Standard deviation of white noise, by the median of second differences, of which edges change but few
+/// Standard deviation of white noise, from the median of second differences, few of which lie on edges
 /// (Immerkaer 1996).
 float noise_of(const FloatPicture& light) {
   std::vector<float> values;
@@ -110,11 +110,11 @@ float noise_of(const FloatPicture& light) {
   if (values.empty()) return 1;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
-  constexpr float kMedianOfNormal = 0.6745F, kGain = 6;  // root of the mask's sum of squares
+  constexpr float kMedianOfNormal = 0.6745F, kGain = 6;  // kGain: root of the mask's sum of squares
   return std::max(0.3F, *middle / (kMedianOfNormal * kGain));
 }
 
-/// Raises each pixel's value to that by which it stands out against what lies to both sides.
+/// Raises each value to the pixel's contrast to its two sides, if this contrast is larger.
 void raise_to_stand_out(const float* here, const float* one_side, const float* other_side, int count,
                         float* value) {
   for (int i = 0; i < count; ++i) {
@@ -124,10 +124,10 @@ void raise_to_stand_out(const float* here, const float* one_side, const float* o
   }
 }
 
-/// Sets to 0 what is not white.
+/// Sets the values of coloured pixels to 0.
 void clear_colored(const float* red, const float* green, const float* blue, int count, float noise,
                    float* value) {
-  constexpr float kMaxColor = 0.55F;  // of white: the channels' difference, as a share of the brightest
+  constexpr float kMaxColor = 0.55F;  // maximum for white: range of the channels over the brightest channel
   for (int i = 0; i < count; ++i) {
     const float most = std::max(std::max(red[i], green[i]), blue[i]),
                 least = std::min(std::min(red[i], green[i]), blue[i]);
@@ -135,7 +135,7 @@ void clear_colored(const float* red, const float* green, const float* blue, int 
   }
 }
 
-/// Replaces squared distances along one row or column by those in the plane: the lower envelope of parabolas
+/// One pass of the squared distance transform, along a row or column: lower envelope of parabolas
 /// (Felzenszwalb and Huttenlocher 2012).
 void transform_distances(std::span<float> values, std::vector<float>& copy, std::vector<int>& apex,
                          std::vector<float>& begins) {
@@ -155,7 +155,7 @@ void transform_distances(std::span<float> values, std::vector<float>& copy, std:
       const int p = apex[at(last)];
       crossing = (copy[at(q)] + static_cast<float>(q * q) - copy[at(p)] - static_cast<float>(p * p)) /
                  static_cast<float>(2 * (q - p));
-      if (crossing > begins[at(last)]) break;  // as it is for the first, which begins at -infinity
+      if (crossing > begins[at(last)]) break;  // always true for the first, which begins at -infinity
     }
     ++last;
     apex[at(last)] = q;
@@ -178,7 +178,7 @@ FloatPicture distance_to_lines(const FloatPicture& line, float least) {
   std::vector<int> apex;
   for (int y = 0; y < line.height; ++y)
     transform_distances({out.row(y), static_cast<std::size_t>(line.width)}, copy, apex, begins);
-  // Some columns at once, as cache lines hold some pixels.
+  // Several columns at once, because a cache line holds several pixels.
   constexpr int kColumns = 16;
   FloatPicture columns(line.height, kColumns);
   for (int left = 0; left < line.width; left += kColumns) {
@@ -230,7 +230,7 @@ LinePicture find_line_pixels(const MeanPicture& picture, double line_px) {
     out.light.values[i] = (channels[0].values[i] + channels[1].values[i] + channels[2].values[i]) / 3;
   out.noise = noise_of(out.light);
 
-  // Sides are looked at this far from a line's middle, straight and slantwise.
+  // Distance of the sides from a line's middle: along the axes, and per axis along the diagonals.
   const int side = std::max(3, static_cast<int>(std::lround(line_px / 2 + 2.5)));
   const int slant = std::max(2, static_cast<int>(std::lround(0.75 * side)));
   const FloatPicture smooth = blurred(out.light, std::max(0.6, 0.3 * line_px));
@@ -244,7 +244,7 @@ LinePicture find_line_pixels(const MeanPicture& picture, double line_px) {
     clear_colored(channels[0].row(y) + side, channels[1].row(y) + side, channels[2].row(y) + side, count,
                   4 * out.noise, line);
   }
-  // Lines are about a hundredth of the image.
+  // Lines cover about one percent of the image.
   std::vector<float> some;
   for (int y = 0; y < height; y += 3) {
     for (int x = 0; x < width; x += 3) some.push_back(out.line.row(y)[x]);

@@ -22,17 +22,18 @@ struct FloatPicture {
   const float* row(int y) const { return values.data() + std::ptrdiff_t{y} * width; }
 };
 
-/// The mean of frames of a standing camera, red, green and blue; Bayer images are interpolated.
+/// Mean of frames of a fixed camera, in red, green and blue. Bayer images are interpolated.
 class MeanPicture {
  public:
-  /// False for a frame of another size than the first, or without colours; it is left out.
+  /// Returns false, and has no effect, if the frame is empty, monochrome or of another size than the first
+  /// frame.
   bool add(const ImageView& frame);
   int frames() const { return frames_; }
-  /// What the image is a part of.
+  /// The larger image of which this image is a part.
   WholePicture whole{};
   int width() const { return sums_[0].width; }
   int height() const { return sums_[0].height; }
-  /// A channel's mean.
+  /// Mean of channel 0 (red), 1 (green) or 2 (blue).
   FloatPicture channel(std::size_t i) const;
 
  private:
@@ -40,22 +41,22 @@ class MeanPicture {
   int frames_ = 0;
 };
 
-/// What in an image might be painted lines: white, and brighter than both sides.
+/// Candidates for painted lines: pixels that are white and brighter than both sides.
 struct LinePicture {
   FloatPicture light;        // mean of red, green and blue
-  FloatPicture line;         // by how much a pixel stands out against its sides; 0: it does not
-  FloatPicture distance_px;  // to the nearest pixel that stands out enough
+  FloatPicture line;         // contrast of a pixel to its sides; 0: none
+  FloatPicture distance_px;  // distance to the nearest pixel whose contrast exceeds min_line
   float noise = 1;           // standard deviation of `light`
-  float min_line = 0;        // what is enough
+  float min_line = 0;        // threshold for `line`
 
   int width() const { return light.width; }
   int height() const { return light.height; }
 };
 
-/// `line_px` is about how wide painted lines are in the image.
+/// `line_px`: approximate width of painted lines in the image.
 LinePicture find_line_pixels(const MeanPicture& picture, double line_px);
 
-/// Between pixels, by linear interpolation; -1 outside the image.
+/// Value between pixels by bilinear interpolation; -1 outside the image.
 float value_at(const FloatPicture& picture, double x, double y);
 
 }  // namespace sslv

@@ -10,7 +10,7 @@
 namespace sslv {
 namespace {
 
-/// Brightness along a normal, averaged along the line, every half pixel.
+/// Brightness at every half pixel along a line's normal, averaged along the line.
 class Profile {
  public:
   Profile(const LinePicture& picture, const ExpectedLine& at, double reach_px)
@@ -32,7 +32,7 @@ class Profile {
   }
 
   int reach() const { return middle_; }
-  /// By how much half pixel `i` stands out against what lies `side` half pixels to both sides.
+  /// Contrast of sample `i` to the samples `side` half pixels away on both sides.
   double stands_out(int i, int side) const {
     if (std::abs(i) + side > middle_) return 0;
     const float here = values_[index(i)], a = values_[index(i - side)], b = values_[index(i + side)];
@@ -46,7 +46,7 @@ class Profile {
   std::vector<float> values_;
 };
 
-/// Share of a blurred half plane: -0.5 .. 0.5.
+/// Step edge blurred by a Gaussian of sigma 1: -0.5 .. 0.5.
 double edge(double x) {
   return 0.5 * std::erf(x * std::numbers::sqrt2 / 2);
 }
@@ -60,7 +60,7 @@ std::optional<ExpectedLine> expect_line(const LensCamera& camera, const PaintedC
                                         const CurvePoint& point, double margin_px) {
   const auto here = camera.project(point.place_mm);
   if (!here || !camera.is_in_picture(*here, margin_px)) return std::nullopt;
-  // Half a patch to both sides or so, straight and along the curve.
+  // Points about 10 px before and after, along the line or arc, give the direction and the curvature.
   const double mm_per_px = [&] {
     const auto beside = camera.unproject(*here + Eigen::Vector2d(1, 0), 0);
     return beside ? (*beside - point.place_mm.head<2>()).norm() : 0;
@@ -91,9 +91,9 @@ std::vector<Sighting> find_lines(const LinePicture& picture, const LensCamera& c
                                  std::span<const PaintedCurve> curves, std::span<const CurvePoint> points,
                                  double window_px) {
   constexpr double kMarginPx = 6, kBeyondPx = 2.2;
-  // Seven pixels' mean has less noise than one.
+  // The profile's mean of seven pixels divides the noise by 2.6.
   const double least = std::max(0.6 * picture.min_line, 3 * picture.noise / 2.6);
-  constexpr std::size_t kMaxStripes = 4;  // where there are more, there is no telling
+  constexpr std::size_t kMaxStripes = 4;  // with more stripes, the right stripe is unknown
   std::vector<Sighting> out;
   for (const CurvePoint& point : points) {
     const auto expected = expect_line(camera, curves[point.curve], point, kMarginPx);
@@ -159,7 +159,7 @@ std::optional<MeasuredLine> measure_line(const LinePicture& picture, const Expec
   }
   if (pixels.size() < kMinPixels) return std::nullopt;
 
-  // Ground, slopes across and along, contrast; the stripe's place.
+  // Parameters: ground, its slopes across and along, contrast, offset of the stripe.
   using Vector5 = Eigen::Matrix<double, 5, 1>;
   Vector5 model = Vector5::Zero();
   Eigen::Matrix<double, 5, 5> normal;
@@ -181,7 +181,7 @@ std::optional<MeasuredLine> measure_line(const LinePicture& picture, const Expec
       normal += columns * columns.transpose();
       gradient += off * columns;
     }
-    if (step == 0) normal(4, 4) = 1;  // no contrast is known yet: the others alone
+    if (step == 0) normal(4, 4) = 1;  // no contrast yet: fits only the other four parameters
     Vector5 change = normal.ldlt().solve(gradient);
     change[4] = std::clamp(change[4], -1.0, 1.0);
     model += change;

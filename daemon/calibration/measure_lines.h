@@ -14,38 +14,37 @@
 
 namespace sslv {
 
-/// How a painted line should look at one of its points.
+/// Expected image of a painted line at one of its points.
 struct ExpectedLine {
-  Eigen::Vector2d pixel, normal;  // normal to the line's image, of length 1
+  Eigen::Vector2d pixel, normal;  // normal: unit normal of the line's image
   double width_px = 1;
-  double curvature =
-      0;  // 1/px: how far the line has bent off its tangent is half of it times distance squared
+  double curvature = 0;  // 1/px; offset from the tangent = curvature / 2 * distance^2
 };
 
-/// Nothing when the camera does not show the point `margin_px` or more inside the image.
+/// Returns nothing unless the point is in the image, at least `margin_px` from its edge.
 std::optional<ExpectedLine> expect_line(const LensCamera& camera, const PaintedCurve& curve,
                                         const CurvePoint& point, double margin_px);
 
-/// Where lines are, to about a pixel: for each point the nearest bright stripe along the normal, no more than
-/// `window_px` away. Points without one are left out.
+/// Finds lines to about a pixel: for each point, the nearest bright stripe along the normal, at most
+/// `window_px` away. Points with no stripe or with too many stripes are left out.
 std::vector<Sighting> find_lines(const LinePicture& picture, const LensCamera& camera,
                                  std::span<const PaintedCurve> curves, std::span<const CurvePoint> points,
                                  double window_px);
 
-/// One patch of a line, both of its borders in one fit.
+/// Measurement of one patch of a line, with both of its borders in one fit.
 struct MeasuredLine {
-  double offset_px = 0;  // of the line's middle along the normal, from where it was expected
-  double sigma_px = 0;   // of that, by the image's noise
-  double contrast = 0;   // of the paint against its surroundings, in grey levels
-  double residual = 0;   // what the fit leaves, root of the mean square
+  double offset_px = 0;  // offset of the line's middle along the normal, from its expected position
+  double sigma_px = 0;   // sigma of offset_px, due to image noise
+  double contrast = 0;   // contrast of the paint to its surroundings, in grey levels
+  double residual = 0;   // RMS residual of the fit, in grey levels
 };
 
-/// Length of the patches that lines are measured in.
+/// Length of the line patches that are measured.
 inline constexpr double kPatchPx = 8;
 
-/// Least squares over all pixels of the patch: an even ground with two slopes and a stripe of known width
-/// with edges blurred by a Gaussian of `blur_px`. Nothing without pixels enough or when it finds no stripe
-/// near.
+/// Least-squares fit to all pixels of the patch: a ground with two slopes, and a stripe of known width with
+/// edges blurred by a Gaussian of sigma `blur_px`. Returns nothing if the image's edge cuts the patch, if the
+/// patch has too few pixels, or if no stripe is near.
 std::optional<MeasuredLine> measure_line(const LinePicture& picture, const ExpectedLine& expected,
                                          double blur_px);
 

@@ -111,7 +111,7 @@ std::vector<NamedPoint> named_points(std::span<const PaintedCurve> curves) {
   };
   std::vector<NamedPoint> out;
   const auto add = [&](std::string name, double x, double y) { out.push_back({std::move(name), {x, y}}); };
-  // Lines along x have their y in `from`, those along y their x.
+  // `from` holds the y of a line along x, and the x of a line along y.
   const auto cross = [&](std::string name, const PaintedCurve* along_x, const PaintedCurve* along_y) {
     if (along_x != nullptr && along_y != nullptr) add(std::move(name), along_y->from.x(), along_x->from.y());
   };

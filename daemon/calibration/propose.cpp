@@ -16,18 +16,18 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// A point of a bright stripe's middle and the direction of its normal; in px.
+/// A point on a bright stripe's middle, in px, and the direction of the stripe's normal.
 struct StripePoint {
   double x, y, normal_rad;
 };
 
-/// A straight line: x cos + y sin = distance, in px from the image's middle without distortion.
+/// Line x cos(normal) + y sin(normal) = distance, in undistorted px from the image's middle.
 struct StraightLine {
   double normal_rad, distance_px, length_px;
 };
 
-/// Direction across the stripe about a pixel, by the scatter of what stands out around it; nothing where that
-/// has no clear direction.
+/// Direction across the stripe at a pixel, from the second moments of the contrast around it; nothing if
+/// these show no clear direction.
 std::optional<double> normal_at(const LinePicture& picture, int x, int y) {
   constexpr int kReach = 5;
   double sum = 0, sx = 0, sy = 0, xx = 0, xy = 0, yy = 0;
@@ -77,8 +77,8 @@ std::vector<StripePoint> stripe_points(const LinePicture& picture) {
   return out;
 }
 
-/// Pixels without distortion, in px from the image's middle, and back. Undistorted radius = distorted (1 +
-/// k1 distorted^2), from the lens' middle and in units of its focal length.
+/// Converts pixels to undistorted ("straight") px from the image's middle, and back. With radii from the
+/// principal point in units of the focal length: undistorted = distorted (1 + k1 distorted^2).
 class Straightener {
  public:
   Straightener(int width, int height, const CameraPrior& lens, double k1)
@@ -97,7 +97,7 @@ class Straightener {
     normal -= kPi * std::floor(normal / kPi);
     return {x * scale - middle_.x(), y * scale - middle_.y(), normal};
   }
-  /// The pixel of a straight place.
+  /// The pixel of an undistorted position.
   Eigen::Vector2d bent(const Eigen::Vector2d& place) const {
     const Eigen::Vector2d from_lens = place + middle_;
     const double undistorted = from_lens.norm() / focal_px_;
@@ -108,16 +108,17 @@ class Straightener {
   double half_px() const { return half_px_; }
 
  private:
-  Eigen::Vector2d lens_, middle_;  // the lens' middle, a pixel; the image's, straight, from it
+  Eigen::Vector2d lens_, middle_;  // principal point, px; undistorted vector from it to the image's middle
   double focal_px_, half_px_, k1_;
 };
 
-/// Votes for straight lines (Hough 1962, Duda and Hart 1972), points voting near their own direction only.
+/// Hough transform for straight lines (Hough 1962, Duda and Hart 1972). Points vote only near their own
+/// direction.
 class Votes {
  public:
   static constexpr int kAngles = 360;
   Votes(int width, int height)
-      : reach_px_(1.1 * std::hypot(width, height)),  // straight tiles are larger, far from the lens' middle
+      : reach_px_(1.1 * std::hypot(width, height)),  // the undistorted image is larger than the image
         step_px_(std::max(1.5, width / 600.0)),
         distances_(static_cast<int>(2 * reach_px_ / step_px_) + 3) {}
 
@@ -136,13 +137,13 @@ class Votes {
       }
     }
   }
-  /// Grows as the votes come together.
+  /// Measure that grows as the votes concentrate.
   double sharpness() const {
     double sum = 0;
     for (const float count : counts_) sum += static_cast<double>(count) * count * count;
     return sum;
   }
-  /// The line most voted for; its votes are taken away. Nothing when only few are left.
+  /// Returns the line with the most votes and clears the votes around it; nothing if only few votes are left.
   std::optional<StraightLine> take_best() {
     constexpr float kMinVotes = 8;
     const auto best = std::max_element(counts_.begin(), counts_.end());
@@ -152,7 +153,7 @@ class Votes {
     for (int i = -12; i <= 12; ++i) {
       for (int j = -4; j <= 4; ++j) {
         int a = angle + i, b = bin + j;
-        if (a < 0 || a >= kAngles) {  // the other way round
+        if (a < 0 || a >= kAngles) {  // wraps around: the opposite normal
           a = (a + kAngles) % kAngles;
           b = distances_ - 1 - b;
         }
@@ -177,7 +178,7 @@ double angle_between(double a_rad, double b_rad) {
   return std::min(difference, std::abs(kPi - difference));
 }
 
-/// The straight lines that the points make, each by total least squares over its own points.
+/// Straight lines through the points, each by total least squares over its own points.
 std::vector<StraightLine> straight_lines(std::span<const StripePoint> points, Votes& votes, int width) {
   const double near_px = std::max(3.0, width / 300.0), min_length_px = 0.06 * width;
   constexpr int kMaxPeaks = 24;
@@ -233,10 +234,11 @@ std::vector<StraightLine> straight_lines(std::span<const StripePoint> points, Vo
   return out;
 }
 
-/// Lines of one direction, by their distance from the middle.
+/// Lines of one direction, sorted by their distance from the middle.
 using Family = std::vector<StraightLine>;
 
-/// The lines in two directions across each other; what suits neither is left out.
+/// The lines of two roughly perpendicular directions, only the longest kMax of each. Other lines are left
+/// out.
 std::array<Family, 2> two_families(const std::vector<StraightLine>& lines) {
   double best = 0, most = -1;
   constexpr int kAngles = 180;
@@ -263,7 +265,7 @@ std::array<Family, 2> two_families(const std::vector<StraightLine>& lines) {
               [](const StraightLine& a, const StraightLine& b) { return a.length_px > b.length_px; });
     if (family.size() > kMax) family.resize(kMax);
     const double base = best + (f == 0 ? 0 : kPi / 2);
-    for (StraightLine& line : family) {  // all normals the same way
+    for (StraightLine& line : family) {  // make all normals point the same way
       while (line.normal_rad - base > kPi / 2) line.normal_rad -= kPi, line.distance_px = -line.distance_px;
       while (line.normal_rad - base < -kPi / 2) line.normal_rad += kPi, line.distance_px = -line.distance_px;
     }
@@ -279,7 +281,7 @@ Eigen::Vector2d crossing(const StraightLine& a, const StraightLine& b) {
   return normals.inverse() * Eigen::Vector2d(a.distance_px, b.distance_px);
 }
 
-/// Coordinates of the lines along y (first) and along x (second): those that are apart.
+/// Distinct coordinates in mm: x of the lines along y (first), y of the lines along x (second).
 std::array<std::vector<double>, 2> coordinates(std::span<const PaintedCurve> curves) {
   std::array<std::vector<double>, 2> out;
   constexpr double kSameMm = 30;
@@ -299,7 +301,8 @@ std::array<std::vector<double>, 2> coordinates(std::span<const PaintedCurve> cur
 
 constexpr double kUnitMm = 3000;
 
-/// From places in kUnitMm to straight places in half image widths, through four pairs.
+/// Homography through four pairs of points: from field positions in units of kUnitMm to undistorted positions
+/// in half image widths.
 Eigen::Matrix3d homography(const std::array<Eigen::Vector2d, 4>& places_mm,
                            const std::array<Eigen::Vector2d, 4>& straight_px, double half_px) {
   Eigen::Matrix<double, 8, 8> rows;
@@ -332,8 +335,8 @@ struct Guess {
   double score;
 };
 
-/// Length of the field's lines that lies on bright stripes, less of that which should and does not; in about
-/// px.
+/// Length of the field's lines on bright stripes, minus kMissing times the length in view that is not on a
+/// stripe; in px up to a constant factor. -1: rejected.
 double score_of(const Eigen::Matrix3d& map, const Straightener& straightener, const LinePicture& picture,
                 std::span<const CurvePoint> points, double px_per_mm) {
   const double radius_px = std::max(4.0, 0.008 * picture.width());
@@ -342,7 +345,7 @@ double score_of(const Eigen::Matrix3d& map, const Straightener& straightener, co
   double score = 0;
   int in_view = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const CurvePoint& point = points[i * 37 % points.size()];  // from all over
+    const CurvePoint& point = points[i * 37 % points.size()];  // spreads the first samples over the field
     const auto pixel = pixel_by(map, straightener, point.place_mm.head<2>(), 2.5);
     if (!pixel) continue;
     const auto x = static_cast<int>(pixel->x() + 0.5), y = static_cast<int>(pixel->y() + 0.5);
@@ -394,12 +397,12 @@ Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurv
   double length_mm = 1, width_mm = 1;
   if (template_lines[0].size() >= 2) length_mm = template_lines[0].back() - template_lines[0].front();
   if (template_lines[1].size() >= 2) width_mm = template_lines[1].back() - template_lines[1].front();
-  // Half a turn later everything fits again.
+  // If the field looks the same rotated by 180 deg, one of the two rotations is enough.
   const bool looks_alike_turned = same_turned(curves);
   const auto samples = points_along(curves, std::max(80.0, length_mm / 70), 0);
   std::vector<Guess> guesses;
-  constexpr double kMinApart = 0.05;                   // of the image's width
-  constexpr double kMinRatio = 0.62, kMaxRatio = 1.6;  // of the scales in the two directions
+  constexpr double kMinApart = 0.05;                   // share of the image's width
+  constexpr double kMinRatio = 0.62, kMaxRatio = 1.6;  // ratio of the scales in the two directions
   const auto try_map = [&](const std::array<Eigen::Vector2d, 4>& corners, double apart_a, double apart_b,
                            bool swapped, double a0, double a1, double b0, double b1) {
     const double scale_a = apart_a / std::abs(a1 - a0), scale_b = apart_b / std::abs(b1 - b0);
@@ -430,8 +433,8 @@ Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurv
               for (std::size_t q = p + 1; q < of_a.size(); ++q) {
                 for (std::size_t r = 0; r < of_b.size(); ++r) {
                   for (std::size_t s = r + 1; s < of_b.size(); ++s) {
-                    // Normals turn right-handed in the image, whose y points down. The field seen from
-                    // above must be mirrored, which leaves one sense for b with each for a.
+                    // The image's y axis points down, so the field seen from above appears mirrored. Each
+                    // order of the lines in `a` therefore allows only one order in `b`.
                     const double b0 = of_b[swapped ? r : s], b1 = of_b[swapped ? s : r];
                     try_map(corners, apart_a, apart_b, swapped, of_a[p], of_a[q], b0, b1);
                     if (!looks_alike_turned)
@@ -467,7 +470,7 @@ Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurv
     }
     if (pixels.size() < 4) continue;
     CameraPrior held = prior;
-    held.k1 = k1;  // roughly, as the focal length is
+    held.k1 = k1;  // rough, like the focal length
     held.k1_sigma = 0.05 + 0.3 * k1;
     const CameraFit fit = camera_of_points(pixels, places, kSigmaPx, width, height, held);
     if (!is_plausible(fit.camera) || fit.camera.rotation(2, 2) > -0.8) continue;

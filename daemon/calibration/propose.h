@@ -12,14 +12,14 @@
 
 namespace sslv {
 
-/// Cameras that an image's straight lines suggest, with nobody pointing at anything.
+/// Cameras that an image's straight lines suggest, without clicks.
 struct Proposal {
-  std::vector<LensCamera> cameras;  // most promising first; each to be refined and compared
-  std::string problem;              // why there are none
+  std::vector<LensCamera> cameras;  // best score first; each to be refined and compared
+  std::string problem;              // why there are no cameras
 };
 
-/// Finds straight lines in two directions and tries which lines of the field they may be. Distortion is found
-/// first, as that with which lines are straightest.
+/// Finds straight lines in two directions and tries to match them to lines of the field. First it estimates
+/// the distortion: the value that makes the lines straightest.
 Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurve> curves,
                          const CameraPrior& prior, const std::stop_token& stop = {});
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration/publish.h"
 
+#include "base/statistics.h"
 #include "calibration/fit_camera.h"
-#include "calibration/statistics.h"
 
 #include <algorithm>
 #include <vector>

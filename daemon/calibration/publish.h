@@ -8,17 +8,18 @@
 
 namespace sslv {
 
-/// What the wire can say of a camera, whose lens has but one radial term there.
+/// A camera as the protocol describes it: with one radial term.
 struct Published {
   CameraCalibration calibration;
-  double rms_mm = 0, worst_mm = 0;  // what it differs from the camera, over the image at z = 0
+  double rms_mm = 0, worst_mm = 0;  // deviation from the camera, over the image at z = 0
 };
 
-/// The height of robots' tops, about which the errors of cameras are told, as they are on the floor.
+/// Height of the robots' tops. Errors of cameras are reported at this height and on the floor.
 inline constexpr double kRobotTopsMm = 150;
 
-/// The calibration that shows the floor and robots' tops nearest to where `camera` does: the same one when k2
-/// is 0. Its quaternion has the sign that looks like the previous one's: q and -q are the same rotation.
+/// The calibration whose image of the floor and robots' tops is nearest to the image by `camera`; identical
+/// to `camera` if k2 is 0. Its quaternion has the sign nearer to the previous quaternion: q and -q are the
+/// same rotation.
 Published publish(const LensCamera& camera, const std::optional<CameraCalibration>& previous = {});
 
 }  // namespace sslv

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration/refine.h"
 
+#include "base/statistics.h"
 #include "calibration/measure_lines.h"
-#include "calibration/statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,18 +17,18 @@ namespace {
 constexpr std::size_t kMinSightings = 12;
 constexpr double kEdgeMarginPx = 9;
 
-/// Standard deviation of normally distributed values, by the median.
+/// Standard deviation of normally distributed values, from the median of their magnitudes.
 double robust_sigma(std::vector<double> values) {
   for (double& value : values) value = std::abs(value);
   return median(std::move(values)) / 0.6745;
 }
 
-/// Lines to about a pixel: the window narrows as the camera gets better.
+/// Fits the lines to about a pixel. The window narrows as the camera improves.
 std::optional<LensCamera> fit_roughly(const LinePicture& picture, const LensCamera& start,
                                       std::span<const PaintedCurve> curves, CameraPrior prior,
                                       double window_px, const std::stop_token& stop) {
-  // Coarse edges drive a focal length that they do not show far up the valley, from where it is slow to come
-  // back: it is held tighter here than it is known.
+  // Coarse measurements hardly determine the focal length and may move it far along the valley of the cost,
+  // from where it returns slowly. So its prior is tightened.
   prior.focal_share = std::min(prior.focal_share, 0.15);
   constexpr double kStepPx = 9, kClearPx = 6, kNarrowing = 0.72, kMinWindowPx = 3;
   constexpr double kCauchyShare = 0.22, kMinCauchyPx = 0.7;
@@ -59,7 +59,7 @@ struct Patches {
   int expected = 0;
 };
 
-/// All patches that look like lines should.
+/// Measures all patches and keeps those that look like lines.
 Patches measure_patches(const LinePicture& picture, const LensCamera& camera,
                         std::span<const PaintedCurve> curves, std::span<const CurvePoint> points,
                         double blur_px, double* median_residual = nullptr) {
@@ -95,7 +95,7 @@ Patches measure_patches(const LinePicture& picture, const LensCamera& camera,
   return out;
 }
 
-/// The image's blur is what leaves least of the lines.
+/// Blur of the image in px: the value with the smallest residuals of the lines.
 double blur_of(const LinePicture& picture, const LensCamera& camera, std::span<const PaintedCurve> curves,
                std::span<const CurvePoint> points) {
   constexpr std::size_t kSome = 80;
@@ -113,8 +113,8 @@ double blur_of(const LinePicture& picture, const LensCamera& camera, std::span<c
   return best;
 }
 
-/// How many neighbouring sightings say what one does: those on a line that was painted unevenly are off
-/// together (first-order autoregression; Bartlett 1935).
+/// Number of neighbouring sightings that carry as much information as one independent sighting: errors on an
+/// unevenly painted line are correlated (first-order autoregression; Bartlett 1935).
 double redundancy(const LensCamera& camera, std::span<const Sighting> sightings, double step_mm) {
   const std::vector<double> off = residuals(camera, sightings);
   double together = 0, squares = 0;
@@ -129,8 +129,9 @@ double redundancy(const LensCamera& camera, std::span<const Sighting> sightings,
   return (1 + correlation) / (1 - correlation);
 }
 
-/// How the parameters would scatter, from how the camera changes as one line is left out (jackknife over
-/// lines: patches of a line share its errors, so that their own scatter says far too little).
+/// Covariance of the parameters, from how the camera changes when one line is left out (jackknife over
+/// lines). Patches of a line share the line's errors, so the scatter of the patches would underestimate the
+/// covariance by far.
 CameraInformation covariance_of(const LensCamera& camera, std::span<const Sighting> sightings,
                                 const CameraInformation& by_prior) {
   const auto changes = residuals_by_step(camera, sightings);
@@ -200,7 +201,7 @@ std::optional<RefinedCamera> refine_again(const LinePicture& picture, const Lens
     out.expected = patches.expected;
   }
   if (stop.stop_requested()) return std::nullopt;
-  // By their true spread, without those that are something else.
+  // Weight sightings by their true spread and drop outliers.
   const double spread_px = std::max(kMinScalePx / 2, robust_sigma(residuals_px(out.camera, out.sightings)));
   for (Sighting& sighting : out.sightings) sighting.sigma_px = spread_px;
   const std::vector<double> off = residuals(out.camera, out.sightings);

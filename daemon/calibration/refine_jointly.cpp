@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration/refine_jointly.h"
 
+#include "base/statistics.h"
 #include "calibration/least_squares.h"
-#include "calibration/statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,16 +10,15 @@
 #include <utility>
 
 #include <Eigen/Dense>
-#include <unsupported/Eigen/NonLinearOptimization>
 
 namespace sslv {
 namespace {
 
-/// Unevenly painted lines are followed in pieces of this length.
+/// Distance of the nodes between which the offset of unevenly painted lines is interpolated.
 constexpr double kPieceMm = 600;
-/// How far lines may be off their places.
+/// Standard deviation of the lines' offsets from their positions.
 constexpr double kLineSigmaMm = 2;
-/// How exact one patch of a line is.
+/// Standard deviation of one line patch.
 constexpr double kPatchSigmaPx = 0.05;
 
 Eigen::Vector2d side_of(const Eigen::Vector2d& direction) {
@@ -34,7 +33,7 @@ double place_along(const PaintedCurve& curve, const Eigen::Vector2d& place) {
   return std::min(turn * curve.radius_mm, curve.length_mm());
 }
 
-/// How far the paint of each curve is off to its side, by pieces with straight changes between.
+/// Sideways offset of each curve's paint, piecewise linear between nodes. Each node is a parameter.
 class Paint {
  public:
   explicit Paint(std::span<const PaintedCurve> curves) {
@@ -47,7 +46,7 @@ class Paint {
   int count() const { return count_; }
 
   struct Share {
-    int before, after;  // parameters
+    int before, after;  // indices of the nodes
     double of_after;
   };
   Share at(std::size_t curve, double share_of_length) const {
@@ -61,8 +60,8 @@ class Paint {
   int count_ = 0;
 };
 
-/// Parameters: each camera's step, each piece of paint, and the place of each tie.
-class JointProblem : public LeastSquaresTypes {
+/// Parameters: each camera's step, the offset of each paint node, and the position of each tie.
+class JointProblem final : public LeastSquares {
  public:
   JointProblem(std::span<const LensCamera> starts, std::span<const RefinedCamera> cameras,
                std::span<const PaintedCurve> curves, std::span<const OverlapTie> ties,
@@ -73,24 +72,23 @@ class JointProblem : public LeastSquaresTypes {
     rows_ += paint_.count() + 4 * static_cast<int>(ties.size());
   }
 
-  int inputs() const { return first_tie() + 2 * static_cast<int>(ties_.size()); }
-  int values() const { return rows_; }
+  int inputs() const override { return first_tie() + 2 * static_cast<int>(ties_.size()); }
+  int values() const override { return rows_; }
   int first_paint() const { return static_cast<int>(cameras_.size()) * kCameraParams; }
   int first_tie() const { return first_paint() + paint_.count(); }
 
-  /// Less than 0 ends the solver.
-  int operator()(const InputType& x, ValueType& out) const {
+  int operator()(const Eigen::VectorXd& x, Eigen::VectorXd& out) const override {
     visit(x, &out, nullptr);
     return stop_.stop_requested() ? -1 : 0;
   }
-  int df(const InputType& x, JacobianType& out) const {
+  int df(const Eigen::VectorXd& x, Eigen::MatrixXd& out) const override {
     out.setZero();
     visit(x, nullptr, &out);
     return stop_.stop_requested() ? -1 : 0;
   }
 
  private:
-  void visit(const InputType& x, ValueType* values, JacobianType* changes) const {
+  void visit(const Eigen::VectorXd& x, Eigen::VectorXd* values, Eigen::MatrixXd* changes) const {
     int row = 0;
     const auto set = [&](double value) {
       if (values != nullptr) (*values)[row] = value;
@@ -117,7 +115,7 @@ class JointProblem : public LeastSquaresTypes {
         if (seen && changes != nullptr) {
           const double slope = kLoss.slope(n.dot(seen->pixel - sighting.pixel));
           changes->block(row, offset(c), 1, kCameraParams) = slope * n.transpose() * seen->by_step;
-          // Moving the place by a little to the side.
+          // Numerical derivative: moves the point 1 mm sideways.
           const auto beside = stepped[c].camera().project(place + Eigen::Vector3d(side.x(), side.y(), 0));
           const double by_mm = beside ? slope * n.dot(*beside - seen->pixel) : 0;
           change(first_paint() + share.before, by_mm * (1 - share.of_after));
@@ -215,7 +213,7 @@ JointCalibration refine_jointly(std::span<const RefinedCamera> cameras, std::spa
   out.overlapping_patches = static_cast<int>(before.size());
 
   constexpr int kRounds = 3, kMaxSteps = 25;
-  Eigen::VectorXd paint;  // goes on from round to round
+  Eigen::VectorXd paint;  // kept between rounds
   for (int round = 0; round < kRounds; ++round) {
     JointProblem problem(out.cameras, cameras, curves, ties, stop);
     Eigen::VectorXd x = Eigen::VectorXd::Zero(problem.inputs());
@@ -224,10 +222,7 @@ JointCalibration refine_jointly(std::span<const RefinedCamera> cameras, std::spa
       const auto place = out.cameras[ties[t].camera_a].unproject(ties[t].pixel_a, ties[t].height_mm);
       if (place) x.segment<2>(problem.first_tie() + 2 * static_cast<int>(t)) = *place;
     }
-    Eigen::LevenbergMarquardt<JointProblem> solver(problem);
-    solver.parameters.maxfev = kMaxSteps;
-    solver.parameters.ftol = solver.parameters.xtol = 1e-9;
-    solver.minimize(x);
+    minimise(problem, x, kMaxSteps, 1e-9);
     if (stop.stop_requested()) break;
     std::vector<LensCamera> next;
     for (std::size_t c = 0; c < cameras.size(); ++c)

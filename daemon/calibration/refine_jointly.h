@@ -12,7 +12,7 @@
 
 namespace sslv {
 
-/// Something that two cameras saw at the same moment at a known height: a robot's centre, a ball.
+/// A tie point: an object of known height that two cameras saw at the same moment (a robot's centre, a ball).
 struct OverlapTie {
   std::size_t camera_a, camera_b;
   Eigen::Vector2d pixel_a, pixel_b;
@@ -20,22 +20,23 @@ struct OverlapTie {
   double sigma_px = 0.3;
 };
 
-/// How far apart two cameras have the same paint, across the line, wherever both see it. `cameras` may be
-/// others than `seen` was fitted to.
+/// Signed distances in mm, across the line, between the positions that two cameras give for the same paint,
+/// at all places that both cameras see. `cameras` may differ from the cameras in `seen`.
 std::vector<double> disagreements_mm(std::span<const LensCamera> cameras, std::span<const RefinedCamera> seen,
                                      std::span<const PaintedCurve> curves);
 
 struct JointCalibration {
   std::vector<LensCamera> cameras;
-  /// Where one camera has a painted line and where the other has it, across the line: root mean square over
-  /// the overlap, in mm. 0 without overlap.
+  /// RMS over the overlap, in mm, of the distance across a painted line between the positions that two
+  /// cameras give for the line. 0 without overlap.
   double disagreement_before_mm = 0, disagreement_mm = 0;
   int overlapping_patches = 0;
 };
 
-/// Cameras that see the same lines and things, refined each by itself, are fitted together: lines may lie a
-/// little off their places, but then for all cameras alike (bundle adjustment; Triggs et al. 2000). All
-/// cameras' sightings must be of `curves`. `stop` ends it early, with cameras that are fitted in part.
+/// Jointly fits cameras that were refined one by one and that see the same lines and objects. Lines may
+/// deviate a little from their positions, but equally for all cameras (bundle adjustment; Triggs et al.
+/// 2000). All cameras' sightings must refer to `curves`. A stop request ends the fit early, with partly
+/// fitted cameras.
 JointCalibration refine_jointly(std::span<const RefinedCamera> cameras, std::span<const PaintedCurve> curves,
                                 std::span<const OverlapTie> ties, const std::stop_token& stop = {});
 

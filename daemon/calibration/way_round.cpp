@@ -6,7 +6,7 @@
 namespace sslv {
 namespace {
 
-/// Where +x points in the image.
+/// Direction of +x in the image, of length 1.
 Eigen::Vector2d plus_x_of(const LensCamera& camera) {
   const Eigen::Vector2d x = camera.rotation.col(0).head<2>();
   return x.norm() > 0 ? Eigen::Vector2d(x.normalized()) : x;

@@ -6,16 +6,16 @@
 
 namespace sslv {
 
-// Most fields look the same from both ends: which way round a camera sees one must be known from elsewhere.
+// Most fields look the same from both ends, so a camera's orientation must be known from other information.
 
-/// Whether two cameras have +x on the same side.
+/// Whether two cameras have the same orientation, to less than 60 deg.
 bool same_way_round(const LensCamera& a, const LensCamera& b);
 
-/// Whether a camera has +x where it should be, as far as the task says so: where it was said or was before,
-/// else to the right or upwards.
+/// Whether +x is on the side that the task states; if it states none, on the side of the previous
+/// calibration; without a previous calibration, to the right or upwards.
 bool is_right_way_round(const LensCamera& camera, const CalibrationTask& task);
 
-/// The camera that sees the other half of the field just so.
+/// The camera rotated by 180 deg about the field's centre.
 LensCamera turned_round(const LensCamera& camera);
 
 /// Side of the image where +x is: "right", "left", "top" or "bottom".

@@ -13,12 +13,13 @@ namespace sslv {
 struct BufferPool::Buffer {
   std::uint8_t* bytes = nullptr;
   std::atomic<bool> free{true};
-  std::shared_ptr<Buffers> keeps;  // while lent: the pool's memory stays
+  std::shared_ptr<Buffers> keeps;  // keeps the pool's memory alive while lent
 };
 
 struct BufferPool::Buffers {
   std::vector<std::unique_ptr<Buffer>> all;
-  // One of both has the bytes. What is never lent never takes real memory.
+  // The images are stored either in `own` or in `shared`. Buffers that are never lent take no physical
+  // memory.
   std::vector<std::unique_ptr<std::uint8_t[]>> own;
   std::optional<SharedMemory> shared;
 };
@@ -29,7 +30,7 @@ BufferPool::BufferPool(std::size_t buffers, std::size_t bytes_each) : buffers_(s
   if (new_images_are_shared() && buffers * step > 0) {
     try {
       buffers_->shared.emplace(buffers * step);
-    } catch (const std::system_error&) {  // then they are copied for who wants to look
+    } catch (const std::system_error&) {  // images are then copied for other processes
     }
   }
   for (std::size_t i = 0; i < buffers; ++i) {
@@ -59,7 +60,7 @@ Image BufferPool::take(const ImageView& layout, std::uint8_t*& bytes) noexcept {
 
 void BufferPool::give_back(void* /*owner*/, void* buffer) noexcept {
   auto* returned = static_cast<Buffer*>(buffer);
-  // Held until after the last touch of the buffer, which may go with it.
+  // Keeps the pool, which owns the buffer, alive until after the last access to the buffer.
   const std::shared_ptr<Buffers> keeps = std::move(returned->keeps);
   returned->free.store(true, std::memory_order_release);
 }

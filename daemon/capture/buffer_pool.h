@@ -10,15 +10,15 @@
 
 namespace sslv {
 
-/// Image buffers for backends that fill their own. A buffer is lent out as an Image and is free again when
-/// that is let go, in whatever thread; Images may outlive the pool. The buffers lie in memory that other
-/// processes may look at where that is wanted (share_new_images()).
+/// Image buffers for backends that fill their own buffers. take() lends a buffer as an Image; releasing the
+/// Image, on any thread, frees the buffer. Images may outlive the pool. The buffers are in shared memory if
+/// share_new_images() enabled it, so that other processes can read them.
 class BufferPool {
  public:
   BufferPool(std::size_t buffers, std::size_t bytes_each);
 
-  /// Lends a free buffer with the layout's size, stride and format; `bytes` is where to write it. An empty
-  /// Image when all are out. One thread only; allocates nothing.
+  /// Lends a free buffer with the layout's size, stride and format; `bytes` is where to write the image.
+  /// Returns an empty Image if all buffers are lent. For one thread; allocates nothing.
   Image take(const ImageView& layout, std::uint8_t*& bytes) noexcept;
 
  private:

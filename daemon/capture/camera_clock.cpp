@@ -9,14 +9,14 @@ namespace {
 
 constexpr double kBinS = 0.25, kLongestBinS = 1;
 constexpr std::size_t kMinInBin = 10;
-/// Low enough to leave delays out, high enough to be sure of.
+/// The quantile is low enough to exclude delays and high enough to be robust.
 constexpr double kQuantile = 0.2;
 constexpr std::size_t kBinsForDrift = 5;
-/// Further off than this for a while, and the clock has jumped. An image earlier than possible needs little
-/// proof, late ones may come from a host that was busy.
+/// Repeated deviations beyond these limits count as a clock jump. Few early images are enough, because an
+/// image cannot arrive early. Late images must last for a while, because a busy host may cause them.
 constexpr double kJumpS = 0.003, kJumpSpreadS = 0.010, kLateForS = 0.5;
 constexpr int kEarlyPictures = 3, kLatePictures = 8;
-/// A camera that was silent for so long may have been switched off and on.
+/// A camera that was silent for this long may have been switched off and on.
 constexpr double kGapS = 10;
 
 double quantile(const double* sorted, std::size_t count) {
@@ -57,8 +57,9 @@ CameraClock::Estimate CameraClock::add(double t_camera_s, double t_arrival_s) {
   Estimate out;
   out.t_host_s = base_arrival_s_ + t_s + line_.at(t_s);
   out.settled = bins_.count >= kBinsForDrift;
-  // At the end of its points a fitted line is twice as uncertain as in their middle; how far the quantile
-  // lies above an image without any delay is not known better than how far it lies above the earliest.
+  // A fitted line is twice as uncertain at its end as in its middle. The height of the quantile above an
+  // image without delay is unknown, so the quantile's mean height above the earliest image of each bin counts
+  // as uncertainty.
   out.sigma_s = std::hypot(
       2 * residual_s_ / std::sqrt(static_cast<double>(std::max<std::size_t>(1, bins_.count))), rise_s_);
   return out;
@@ -99,7 +100,7 @@ void CameraClock::close_bin() {
   fit();
 }
 
-/// Least squares, with points far off the last line counted less (Huber's weights).
+/// Least squares with Huber weights: points far from the previous line count less.
 void CameraClock::fit() {
   constexpr int kRounds = 4;
   constexpr double kMinSpreadS = 2e-6;

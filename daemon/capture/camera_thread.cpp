@@ -24,16 +24,16 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kPollTimeout{100};  // the longest wait for an image, and so for stop() to be seen
-constexpr milliseconds kShortTurn{10};  // the same while buffers are out that the camera may be waiting for
-/// After more damaged images than this in a row, a pause before the next: a source that fails at once must
-/// not take a whole processor.
+constexpr milliseconds kPollTimeout{100};  // longest wait for an image, or until stop() is noticed
+constexpr milliseconds kShortTurn{10};     // longest wait while buffers are held that the camera may need
+/// After this many damaged images in a row, pause before the next one: a source that fails at once must not
+/// use a whole processor.
 constexpr int kStorm = 10;
 constexpr milliseconds kStormPause{1};
 constexpr std::int64_t kSecondNs = 1'000'000'000;
 constexpr std::int64_t kRepeatedLossNs = 60 * kSecondNs;
 
-/// Images that came damaged, or whose time cannot be: one line a second, with their number.
+/// Logs damaged images, or images with impossible times: one line a second, with their count.
 class DamageLog {
  public:
   DamageLog(const std::string& name, const char* what) : name_(name), what_(what) {}
@@ -61,7 +61,7 @@ class DamageLog {
   std::int64_t due_ns_ = 0;
 };
 
-/// Losses of the camera: each new reason at once, one that stays the same once a minute, with its number.
+/// Logs losses of the camera: a new reason at once, a repeated one once a minute with its count.
 class LossLog {
  public:
   explicit LossLog(const std::string& name) : name_(name) {}
@@ -89,7 +89,7 @@ class LossLog {
   bool announce_open_ = true;
 };
 
-/// The thread goes on without what the system does not grant.
+/// Settings that the system refuses are only logged.
 void apply(const ThreadSettings& settings, const std::string& name) {
   constexpr std::size_t kLongestName = 15;
   pthread_setname_np(pthread_self(), name.substr(0, kLongestName).c_str());
@@ -126,7 +126,7 @@ std::string_view name_of(CameraState state) {
 
 namespace {
 
-/// Of a thread's health, what may change with every image: published as a whole after each poll.
+/// The values that may change with every image, published together after each poll.
 struct Figures {
   CameraState state = CameraState::kOpening;
   std::uint64_t frames = 0, incomplete = 0, dropped = 0, reconnects = 0;
@@ -138,11 +138,11 @@ struct Figures {
   CaptureTimes times{};
 };
 
-/// Calls that can be stopped for good. Both sides first say what they do and then look at the other's word:
-/// either the caller sees that it is silenced, or silence() sees that it calls and waits.
+/// Calls that can be disabled permanently. Each side first sets its own flag and then reads the other's:
+/// either pass() sees that calls are silenced, or silence() sees the call and waits.
 class CallGate {
  public:
-  /// False: it has been silenced and nothing was called.
+  /// Returns false without calling if silenced.
   template <class Call>
   bool pass(const Call& call) {
     calling_.store(1);
@@ -153,19 +153,19 @@ class CallGate {
     return may_call;
   }
 
-  /// No call begins from now on; waits for one that is running.
+  /// Prevents further calls, and waits for a running one.
   void silence() {
     silenced_.store(true);
     while (calling_.load() != 0) calling_.wait(1);
   }
 
-  /// No call begins from now on; says whether silence() would not wait.
+  /// Prevents further calls; returns whether silence() would not wait.
   bool try_silence() {
     silenced_.store(true);
     return calling_.load() == 0;
   }
 
-  /// silence() waits for a predecessor's calls, too, until these are over.
+  /// Between these two calls, silence() also waits for a predecessor's calls.
   void begin_predecessor() { calling_.store(1); }
   void end_predecessor() {
     calling_.store(0);
@@ -177,7 +177,7 @@ class CallGate {
   std::atomic<bool> silenced_{false};
 };
 
-/// What a camera's thread tells people.
+/// The camera's log messages.
 struct CaptureLogs {
   explicit CaptureLogs(const std::string& name)
       : damages(name, "damaged"), strange_times(name, "with a time that cannot be"), losses(name) {}
@@ -186,18 +186,18 @@ struct CaptureLogs {
   LossLog losses;
 };
 
-/// What the last attempt to open the camera has led to.
+/// The result of the last attempt to open the camera.
 struct OpeningResult {
-  std::string why_lost;  // empty: it is not
+  std::string why_lost;  // empty if not lost
   std::vector<std::string> warnings;
   std::shared_ptr<Controls> controls;
 };
 
 }  // namespace
 
-/// What the threads work on; a thread that stop() left behind keeps it alive.
+/// State of the threads. A thread that stop() detached keeps the state alive.
 struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
-  /// What CameraThread was given.
+  /// The constructor's arguments.
   struct Parts {
     std::string name;
     ThreadSettings settings;
@@ -207,12 +207,12 @@ struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
     CameraDelays delays;
     std::shared_ptr<CaptureTotals> totals;
   };
-  /// How far the thread is between start() and its end.
+  /// Progress between start() and the thread's end.
   struct Lifecycle {
     std::unique_ptr<CameraThread> predecessor;
     std::chrono::steady_clock::time_point stop_asked_at{};
     bool started = false, finished = false;
-    int closing = 0;  // sources being closed aside
+    int closing = 0;  // number of sources being closed on other threads
   };
 
   explicit Shared(Parts given) : parts(std::move(given)) {}
@@ -235,23 +235,23 @@ struct CameraThread::Shared : std::enable_shared_from_this<Shared> {
 
   const Parts parts;
 
-  // Used by the camera's thread alone.
+  // Used only by the camera's thread.
   CaptureLogs logs{parts.name};
   milliseconds delay = parts.delays.first;
   bool was_open = false;
   Figures now;
 
-  // Without a lock, for each image.
-  Seqlock<Figures> figures;             // what `now` was at the end of the last poll
-  CallGate calls;                       // of on_image and on_idle
-  std::atomic<bool> stop_asked{false};  // written with the mutex held, so that no wait on `changed` misses it
+  // Accessed without a lock, for each image.
+  Seqlock<Figures> figures;             // copy of `now` at the end of the last poll
+  CallGate calls;                       // gate for calls of on_image and on_idle
+  std::atomic<bool> stop_asked{false};  // set with the mutex held, so that waits on `changed` notice it
 
-  // Taken when the camera is opened or lost, and by those who ask for its health.
-  mutable std::mutex mutex;  // guards what follows, and changes of the state
+  // Locked when the camera is opened or lost, and by health().
+  mutable std::mutex mutex;  // guards the following members and changes of the state
   std::condition_variable changed;
   OpeningResult opening;
   Lifecycle lifecycle;
-  bool try_asked = false;  // somebody does not want to wait for the next attempt
+  bool try_asked = false;  // try_now() requested an immediate attempt
 };
 
 CameraHealth CameraThread::Shared::health_now() const {
@@ -287,7 +287,7 @@ void CameraThread::Shared::run() {
   changed.notify_all();
 }
 
-/// Parked until then. False: it was asked to stop instead.
+/// Waits for start(). False if a stop was requested instead.
 bool CameraThread::Shared::wait_for_start() {
   std::unique_ptr<CameraThread> before;
   {
@@ -359,7 +359,7 @@ std::unique_ptr<Source> CameraThread::Shared::try_open() {
   return nullptr;
 }
 
-/// Hands images over until the camera is lost, the recording has ended or stop() was called.
+/// Delivers images until the camera is lost, the recording has ended or a stop was requested.
 CaptureStatus CameraThread::Shared::serve(Source& source) {
   std::int64_t window_start_ns = steady_ns();
   int window_frames = 0, damaged_in_a_row = 0;
@@ -443,7 +443,7 @@ void CameraThread::Shared::check_times(CaptureTimes& times) {
   logs.strange_times.add(problem);
 }
 
-/// Gives back what can be.
+/// Asks on_idle to release buffers; returns whether some are still held.
 bool CameraThread::Shared::buffers_are_out() {
   bool some_are_out = false;
   if (parts.on_idle) calls.pass([&] { some_are_out = parts.on_idle(); });
@@ -501,7 +501,7 @@ void CameraThread::Shared::close_aside(std::unique_ptr<Source> source) {
       dead.reset();
       closed(*shared);
     }).detach();
-  } catch (const std::system_error&) {  // no thread to be had: closed here, when the thread's state went
+  } catch (const std::system_error&) {  // no thread: the lambda's destructor has closed the source
     closed(*this);
   }
 }
@@ -521,7 +521,7 @@ void CameraThread::start(std::unique_ptr<CameraThread> predecessor) noexcept {
   {
     const std::lock_guard lock(shared_->mutex);
     if (shared_->lifecycle.started || shared_->lifecycle.finished)
-      return;  // the predecessor is stopped here then
+      return;  // the destructor of the argument stops the predecessor
     shared_->lifecycle.started = true;
     shared_->lifecycle.predecessor = std::move(predecessor);
     if (shared_->lifecycle.predecessor) shared_->calls.begin_predecessor();

@@ -30,10 +30,10 @@ struct ThreadSettings {
 };
 
 enum class CameraState {
-  kOpening,  // has not been open yet
+  kOpening,  // has not been opened yet
   kRunning,
-  kLost,   // closed, or cannot be opened; tried again with back-off
-  kEnded,  // a recording has come to its end
+  kLost,   // closed, or cannot be opened; retried with back-off
+  kEnded,  // a recording has ended
 };
 
 /// "opening", "running", "lost", "ended".
@@ -41,81 +41,81 @@ std::string_view name_of(CameraState state);
 
 struct CameraHealth {
   CameraState state = CameraState::kOpening;
-  std::string error{};           // why it is lost, one line; empty otherwise
-  std::uint64_t frames = 0;      // handed over
-  std::uint64_t incomplete = 0;  // came damaged
-  std::uint64_t dropped = 0;     // were never handed over, because nobody took them in time
+  std::string error{};           // why the camera is lost, in one line; empty if it is not lost
+  std::uint64_t frames = 0;      // delivered images
+  std::uint64_t incomplete = 0;  // damaged images
+  std::uint64_t dropped = 0;     // images never delivered, because they were not taken in time
   std::optional<PacketCounts> packets{};
-  std::uint64_t reconnects = 0;  // times it was opened again after a loss
-  double fps = 0;                // images handed over a second, over the last second
-  int width = 0, height = 0;     // of the last image; 0 before the first
+  std::uint64_t reconnects = 0;  // reopenings after a loss
+  double fps = 0;                // delivered images per second, over the last second
+  int width = 0, height = 0;     // size of the last image; 0 before the first image
   PixelFormat format = PixelFormat::kMono8;
-  std::int64_t progress_ns = 0;         // steady_ns() of the thread's last turn; stands still when it hangs
-  CaptureTimes times{};                 // of the last image
-  std::vector<std::string> warnings{};  // of the last opening, see Source
+  std::int64_t progress_ns = 0;         // steady_ns() of the thread's last iteration; old if the thread hangs
+  CaptureTimes times{};                 // times of the last image
+  std::vector<std::string> warnings{};  // problems of the last opening, see Source::warnings()
 };
 
-/// Counts that outlive the thread, which adds to them; they never go back.
+/// Counters that outlive the thread that increments them; they never decrease.
 struct CaptureTotals {
-  std::atomic<std::uint64_t> incomplete{0}, dropped{0}, reconnects{0};  // as in CameraHealth
+  std::atomic<std::uint64_t> incomplete{0}, dropped{0}, reconnects{0};  // see CameraHealth
 };
 
-/// How long a camera's thread waits.
+/// Delays of a camera's thread.
 struct CameraDelays {
-  /// Between attempts to open the camera, doubling from the first to the longest; the pause between two is
-  /// shorter by what the first of them took, and never below the first.
+  /// Pauses between attempts to open the camera, doubling from first to longest. The duration of a failed
+  /// attempt is subtracted from the pause, but the pause is never shorter than `first`.
   std::chrono::milliseconds first{250}, longest{1000};
-  /// For a camera that is to stop and does not answer.
+  /// Maximum time for which stop() waits for a camera that does not answer.
   std::chrono::milliseconds stop{1000};
 };
 
-/// Keeps one camera open on a thread of its own and hands over its images. A camera that fails, dies or
-/// throws is closed and reopened; closing may block on dead hardware, so each dead source is closed on a
-/// thread of its own and delays nothing. Repeated problems are logged once a second, counted. From image to
-/// image the thread takes no lock: a request for its health delays no image.
+/// Keeps one camera open on its own thread and delivers its images. A camera that fails, dies or throws is
+/// closed and reopened; closing may block on dead hardware, so each dead source is closed on a separate
+/// thread. Repeated problems are logged once a second with their count. The image loop takes no lock, so
+/// health() delays no image.
 class CameraThread {
  public:
   using Open = std::function<std::unique_ptr<Source>()>;
   using OnImage = std::function<void(CapturedImage&&)>;
   using OnIdle = std::function<bool()>;
 
-  /// The thread is there and does nothing before start(). `name` begins log messages ("camera 0"). `open`
-  /// makes a source or throws CaptureError; it must own all it uses, because a call that blocks is left
-  /// behind by stop(). `on_image` must not throw. `on_idle` is called by the same thread while no image
-  /// comes, and before a camera is closed: the time to give its buffers back. It says whether some are still
-  /// out; then it is called again soon. Neither is called after stop(). Throws std::system_error when there
-  /// is no thread to be had.
+  /// The thread waits for start(). `name` begins log messages ("camera 0"). `open` creates a source or throws
+  /// CaptureError; it must own all it uses, because stop() abandons a blocked call. `on_image` must not
+  /// throw. `on_idle` is called on the same thread while no image arrives, and before a camera is closed, to
+  /// release its buffers; it returns whether some buffers are still held, and is then called again soon.
+  /// Neither callback is called after stop(). Throws std::system_error if no thread can be created.
   CameraThread(std::string name, const ThreadSettings& settings, Open open, OnImage on_image,
                CameraDelays delays = {},
                std::shared_ptr<CaptureTotals> totals = std::make_shared<CaptureTotals>(),
                OnIdle on_idle = {});
-  /// Stops.
+  /// Calls stop().
   ~CameraThread();
   CameraThread(const CameraThread&) = delete;
   CameraThread& operator=(const CameraThread&) = delete;
 
-  /// Begins to open the camera, once. The new thread itself stops `predecessor` and waits for that first, so
-  /// that one camera is not open twice and one thread at a time is in on_image. The caller does not wait.
+  /// Starts opening the camera. May be called once. The new thread first stops `predecessor` and waits for
+  /// it, so that the camera is never open twice and only one thread at a time runs on_image. Does not block
+  /// the caller.
   void start(std::unique_ptr<CameraThread> predecessor = nullptr) noexcept;
 
-  /// Begins what stop() does and does not wait for it: several cameras that hang are waited for at once.
+  /// Requests the stop without waiting for it, so that several hanging cameras can stop in parallel.
   void ask_to_stop();
-  /// Closes the camera and ends the thread: within a frame's time for a camera that answers. One that does
-  /// not (opening or closing dead hardware takes seconds) is waited for as long as its delays say and then
-  /// left to finish by itself. Waits for a running on_image however long it takes, also for that of a
-  /// predecessor.
+  /// Closes the camera and ends the thread, within one frame's time if the camera answers. Waits up to
+  /// CameraDelays::stop for a camera that does not answer (opening or closing dead hardware takes seconds),
+  /// and then lets it finish in the background. Waits without limit for a running on_image, including a
+  /// predecessor's.
   void stop();
-  /// stop() if that need not wait, once it was asked to stop: false while on_image is at work, or the camera
-  /// may still answer in time.
+  /// Calls stop() if that would not block; ask_to_stop() must have been called before. Returns false, without
+  /// stopping, while on_image is running or while the camera may still answer in time.
   bool try_stop();
 
-  /// A camera that is lost is tried again now, and after that with short pauses as at first; any other goes
-  /// on as it is. Does not wait for what comes of it. Says what the camera was when it was asked.
+  /// Retries a lost camera now, and then with pauses that begin at CameraDelays::first again; has no effect
+  /// on a camera that is not lost. Does not wait for the result. Returns the state at the time of the call.
   CameraState try_now();
 
-  /// From any thread. kOpening before start(), too.
+  /// From any thread; also valid before start() (kOpening).
   CameraHealth health() const;
-  /// Those of the open camera; none while it is not open, or has none.
+  /// The open camera's controls; null if the camera is not open or has no controls.
   std::shared_ptr<Controls> controls() const;
 
  private:

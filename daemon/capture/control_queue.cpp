@@ -13,15 +13,15 @@
 namespace sslv {
 namespace {
 
-/// A camera that measures while it is set is not chased for ever.
+/// Maximum number of repetitions, for a camera that changes values while others are set.
 constexpr int kRounds = 3;
 
-/// What may change other controls, such as an automatic.
+/// Whether the control may change other controls, like an automatic mode.
 bool is_mode(const Control& control) {
   return control.kind == ControlKind::kChoice || control.kind == ControlKind::kFlag;
 }
 
-/// Whether it has a value that can be set again.
+/// Whether the control has a value that can be restored.
 bool can_be_remembered(const Control& control) {
   return control.kind != ControlKind::kAction && !control.moves && !control.depends &&
          !control.value.is_null();
@@ -39,7 +39,7 @@ ControlValues ControlQueue::Memory::home(ControlValues saved) const {
   return saved;
 }
 
-/// From these settings to those.
+/// The values to set for a change of settings.
 ControlValues ControlQueue::Memory::changed(const ControlValues& before, const ControlValues& wanted) const {
   ControlValues out = home(wanted);
   std::erase_if(out, [&](const auto& one) {
@@ -50,7 +50,7 @@ ControlValues ControlQueue::Memory::changed(const ControlValues& before, const C
   return out;
 }
 
-/// The driver lives as long as the call.
+/// Keeps the driver alive during the call.
 template <class Act>
 auto ControlQueue::in_turn(Act act) {
   return [act = std::move(act), self = driver_.shared_from_this()] { return act(); };
@@ -107,8 +107,9 @@ std::function<ControlQueue::Refusals()> ControlQueue::apply(const Json& before, 
   }
 }
 
-/// Values first, then modes, until nothing changes any more: a value may end a mode, and a mode may lock a
-/// value or change it. What is locked is tried once, or not at all, unless a mode unlocks it.
+/// Sets plain values first, then modes, and repeats until nothing changes, because setting a value may end a
+/// mode, and setting a mode may lock or change values. A control that stays locked is tried once if
+/// `also_locked`, otherwise not at all.
 ControlQueue::RefusedByName ControlQueue::set_all(const ControlValues& wanted, bool also_locked) {
   RefusedByName refused;
   bool has_set = true;
@@ -132,7 +133,7 @@ ControlQueue::RefusedByName ControlQueue::set_all(const ControlValues& wanted, b
           refused[name] = name + ": takes effect when the camera is opened again";
         } catch (const SettingsError& error) {
           refused[name] = error.what();
-        } catch (const CaptureError& error) {  // the others may answer
+        } catch (const CaptureError& error) {  // the other controls may still answer
           refused[name] = name + ": " + error.what();
         }
       }
@@ -141,8 +142,8 @@ ControlQueue::RefusedByName ControlQueue::set_all(const ControlValues& wanted, b
   return refused;
 }
 
-/// Sets controls to what is their home with these settings. With a mode that goes back to what it was goes
-/// home what it has changed, but for what is unsaved.
+/// Sets controls to their home values. If a mode is restored to its earlier value, also restores the controls
+/// that the mode changed, except unsaved controls.
 ControlQueue::RefusedByName ControlQueue::take_home(const ControlValues& targets, const ControlValues& saved,
                                                     bool also_locked) {
   const Memory before = memory();
@@ -180,7 +181,7 @@ Control ControlQueue::set_unsaved(const std::string& name, const Json& value) {
   }
   write(control, value);
   if (can_be_remembered(control)) {
-    // Before it is read, which may fail.
+    // Recorded before reading back, which may fail.
     const std::lock_guard lock(mutex_);
     control.value = value;
     memory_.unsaved.insert(name);
@@ -188,7 +189,7 @@ Control ControlQueue::set_unsaved(const std::string& name, const Json& value) {
   }
   control = driver_.get(name);
   const bool is_known_step = before.unsaved.contains(name) || !can_be_remembered(control);
-  const bool is_step = is_known_step && !is_mode(control);  // a slider has many
+  const bool is_step = is_known_step && !is_mode(control);  // a moving slider: read only this control
   const std::vector<Control> all = is_step ? std::vector<Control>{control} : read_all();
   const std::lock_guard lock(mutex_);
   memory_.ranges_are_old = memory_.ranges_are_old || is_step;
@@ -208,7 +209,7 @@ void ControlQueue::revert_unsaved(const std::set<std::string>& names, const Cont
   std::erase_if(targets, [&](const auto& one) {
     return !before.unsaved.contains(one.first) || (!names.empty() && !names.contains(one.first));
   });
-  // An automatic may have taken over what was set: no matter, unless it is asked for by its name.
+  // An automatic mode may have locked the control, which is an error only if the control was named.
   const RefusedByName refused = take_home(targets, saved, !names.empty());
   const std::lock_guard lock(mutex_);
   for (const auto& [name, value] : targets) {
@@ -225,7 +226,7 @@ ControlQueue::Refusals ControlQueue::carry_out(const ControlValues& before, cons
   {
     const std::lock_guard lock(mutex_);
     for (const auto& [name, value] : targets) memory_.unsaved.erase(name);
-    // Nor is anything refused that nobody asks for any more.
+    // Also clears refusals of settings that no longer exist.
     std::erase_if(memory_.refused, [&](const auto& one) {
       return targets.contains(one.first) || !wanted.contains(one.first);
     });
@@ -246,14 +247,14 @@ ControlQueue::Refusals ControlQueue::carry_out(const ControlValues& before, cons
   return out;
 }
 
-/// The one place where a camera's controls are set.
+/// All controls are set through this function.
 void ControlQueue::write(const Control& control, const Json& value) {
   driver_.set(control, value);
   const std::lock_guard lock(mutex_);
   memory_.refused.erase(control.name);
 }
 
-/// Before it is set: the first time, that is what the camera had.
+/// Reads a control before it is set. The first value read counts as the value at the camera's opening.
 Control ControlQueue::read(const std::string& name) {
   Control now = driver_.get(name);
   const std::lock_guard lock(mutex_);
@@ -273,14 +274,13 @@ std::vector<Control> ControlQueue::read_all() {
   return now;
 }
 
-/// What a control had when it was opened before, where it has been kept as it was left. One that is locked
-/// now may have another value.
+/// Takes over the home values of the previous opening for controls whose value has not changed since then. A
+/// control that is locked now inherits its home value in any case.
 void ControlQueue::inherit(const Memory& before) {
   const std::lock_guard lock(mutex_);
   for (const auto& [name, home] : before.opened) {
     const Control* left = before.find(name);
-    if (left == nullptr || memory_.find(name) == nullptr)
-      continue;  // another camera may have no such control
+    if (left == nullptr || memory_.find(name) == nullptr) continue;  // another camera may lack the control
     const auto [had, is_locked] = memory_.opened.emplace(name, home);
     if (!is_locked && !is_same_value(*left, had->second, left->value)) continue;
     had->second = home;
@@ -299,7 +299,7 @@ ControlPlan ControlQueue::plan(const Json& before, const Json& wanted, const std
     if (known.list.empty() || !wanted.contains(name)) continue;
     if (control == nullptr)
       throw SettingsError(fmt::format("{}/{}: the camera has no such control", path, name));
-    if (control->kind == ControlKind::kChoice && control->choices.empty()) continue;  // not known now
+    if (control->kind == ControlKind::kChoice && control->choices.empty()) continue;  // unknown choices
     Control allowed = *control;
     if (targets.size() > 1 || control->moves || known.ranges_are_old)
       allowed.least = allowed.most = allowed.step = std::nullopt;
@@ -319,7 +319,7 @@ std::vector<UnsavedControl> ControlQueue::unsaved(const Json& saved) const {
     const Control* control = memory_.find(name);
     const auto kept = saved.find(name);
     const Json& home = kept != saved.end() ? *kept : memory_.opened.at(name);
-    // What an automatic has taken over is not the admin's value any more.
+    // A value that an automatic mode controls is no longer the admin's value.
     if (control != nullptr && control->writable && !is_same_value(*control, control->value, home))
       out.push_back({*control, home});
   }

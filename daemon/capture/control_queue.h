@@ -14,63 +14,68 @@
 
 namespace sslv {
 
-/// Of controls, by their names.
+/// Values by the controls' names.
 using ControlValues = std::map<std::string, Json>;
 
-/// A control that was set and not saved.
+/// A control that was set but not saved.
 struct UnsavedControl {
-  Control control;  // as it was last read
-  Json before;      // what it goes back to
+  Control control;  // as last read
+  Json before;      // the value that revert() restores
 };
 
-/// What other settings do to the controls of an open camera.
+/// The effect of new settings on the controls of an open camera.
 struct ControlPlan {
-  ControlValues unsaid{};  // what goes back because they say it no more
-  bool reopens = false;    // some of it can only be set by reopening the camera
+  ControlValues unsaid{};  // values to restore because the new settings no longer contain them
+  bool reopens = false;    // some controls require reopening the camera
 };
 
-/// All that is asked of a camera's controls, one after the other, and what is known of them. Nobody else sets
-/// an open camera's controls. A control's home is what the settings say, else what the camera had when it was
-/// opened. May be used from any thread.
+/// Serialises all access to a camera's controls, and remembers what was read. Only this class sets an open
+/// camera's controls. A control's home value is its saved setting, or else the value at the camera's opening.
+/// Thread-safe.
 class ControlQueue {
  public:
-  using Refusals = std::vector<std::string>;  // a line each
+  using Refusals = std::vector<std::string>;  // one line each
 
-  /// `driver` owns this.
+  /// `driver` owns this object.
   explicit ControlQueue(Controls& driver) : driver_(driver) {}
 
-  /// Sets all of `wanted` (name -> value) in this thread, which opens the camera: nobody else asks it yet.
+  /// Sets all of `wanted` (name -> value) on the calling thread, which is opening the camera, so no other
+  /// call is running.
   Refusals open_with(const Json& wanted);
-  /// Likewise of a camera that is open already, because several share it: in turn, and does not wait for it.
-  /// Throws as DriverCalls::post() does.
+  /// Like open_with(), for a camera that is already open because several sources share it. Queues the calls;
+  /// does not wait. Throws like DriverCalls::post().
   void share_with(const Json& wanted);
-  /// Then reads all, and does not wait for it. `before`: of the opening before, or null: what the camera
-  /// still has as it was left is unsaved still. Throws as DriverCalls::post() does.
+  /// Queues reading all controls after opening; does not wait. `before`: the controls of the previous
+  /// opening, or null. Unsaved values that the camera still has stay unsaved. Throws like
+  /// DriverCalls::post().
   void begin(std::shared_ptr<Controls> before);
 
-  // These wait for the camera. They throw CaptureError when it does not answer in time (see DriverCalls).
+  // The following functions wait for the camera. They throw CaptureError if the camera does not answer in
+  // time (see DriverCalls).
 
-  /// All of them, read now.
+  /// Reads all controls.
   std::vector<Control> list();
-  /// Sets one (or does an action) without saving it. Throws what Controls::set() throws.
+  /// Sets one control (or performs an action) without saving it. Throws like Controls::set().
   Control set(const std::string& name, const Json& value);
-  /// Unsaved controls go home; `names` empty: all. With a mode also what it has changed since. Throws
-  /// SettingsError when the camera refuses one; the others go. Returns list().
+  /// Restores unsaved controls to their home values; all of them if `names` is empty. For a mode, also
+  /// restores the controls that the mode changed. Throws SettingsError if the camera refuses a value; the
+  /// other controls are still restored. Returns all controls, like list().
   std::vector<Control> revert(const std::set<std::string>& names, const Json& saved);
 
-  /// Goes from settings (name -> value) to others, and does not wait for it: nothing that differs is unsaved
-  /// from then on. What it returns waits, for what the camera has refused. That throws CaptureError.
+  /// Queues the change from settings `before` (name -> value) to `wanted`; does not wait. Controls whose
+  /// settings differ are no longer unsaved. The returned function waits until the change has been made and
+  /// returns the camera's refusals, or throws CaptureError.
   std::function<Refusals()> apply(const Json& before, const Json& wanted);
 
-  // These know what was read last, and ask the camera nothing.
+  // The following functions use the values read last, without asking the camera.
 
-  /// From settings (name -> value) to others. Throws SettingsError, beginning with `path`, for what the
-  /// camera does not have or take as far as that is known: numbers' ranges may move with what is set with
-  /// them.
+  /// The change from settings `before` (name -> value) to `wanted`. Throws SettingsError, beginning with
+  /// `path`, for controls that the camera lacks and for invalid values. Does not check a number whose range
+  /// may have changed with other controls.
   ControlPlan plan(const Json& before, const Json& wanted, const std::string& path) const;
-  /// Those that are not at home.
+  /// The unsaved controls that differ from their home values.
   std::vector<UnsavedControl> unsaved(const Json& saved) const;
-  /// What the camera has refused of plans, and not taken since.
+  /// The settings that the camera has refused and not accepted since.
   Refusals refused() const;
 
   /// See DriverCalls::ask_to_stop().
@@ -78,12 +83,12 @@ class ControlQueue {
 
  private:
   using RefusedByName = std::map<std::string, std::string>;
-  /// What is known of the camera.
+  /// The known state of the camera.
   struct Memory {
-    std::vector<Control> list;      // as they were last read
-    bool ranges_are_old = false;    // what was set since may have moved other controls' ranges
-    ControlValues opened;           // what each had before it was set for the first time
-    std::set<std::string> unsaved;  // that were set
+    std::vector<Control> list;      // as last read
+    bool ranges_are_old = false;    // controls set after the last read of all may have changed the ranges
+    ControlValues opened;           // value of each control before it was first set
+    std::set<std::string> unsaved;  // controls that were set but not saved
     RefusedByName refused;
 
     const Control* find(const std::string& name) const;
@@ -106,7 +111,7 @@ class ControlQueue {
 
   Controls& driver_;
   const DriverCalls calls_;
-  mutable std::mutex mutex_;  // guards the next; not held while the camera is asked
+  mutable std::mutex mutex_;  // guards memory_; not held while the camera is being asked
   Memory memory_;
 };
 

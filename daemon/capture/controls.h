@@ -14,66 +14,65 @@ namespace sslv {
 
 enum class ControlKind : std::uint8_t { kFlag, kInteger, kNumber, kChoice, kText, kAction };
 
-/// How much one should know of cameras to use a control (GenICam SFNC's visibility).
+/// The knowledge of cameras that a control requires of its user (GenICam SFNC visibility).
 enum class ControlLevel : std::uint8_t { kBeginner, kExpert, kGuru };
 
-/// Something that can be set on the camera itself, with its current value: the camera says what there is, not
-/// we.
+/// A setting of the camera itself with its current value. The camera defines its set of controls.
 struct Control {
-  std::string name;                   // the camera's own, such as "ExposureTime"
-  std::string title, category, help;  // for people; may be empty
-  std::string unit;                   // as the camera has it: "us", "dB"
+  std::string name;                   // the camera's name, such as "ExposureTime"
+  std::string title, category, help;  // for display; may be empty
+  std::string unit;                   // the camera's text: "us", "dB"
   ControlKind kind = ControlKind::kNumber;
   ControlLevel level = ControlLevel::kBeginner;
-  Json value;                               // null: cannot be read now; of an action
-  std::optional<double> least, most, step;  // of kInteger and kNumber
-  std::vector<std::string> choices;         // of kChoice
-  bool writable = true;                     // now
-  bool moves = false;                       // it goes on changing once it is set: a recording's position
-  bool depends = false;                     // on what another control selects, or selects itself
-  bool reopens = false;                     // now the camera must be closed and opened again to set it
+  Json value;                               // null for an action, or if it cannot be read now
+  std::optional<double> least, most, step;  // for kInteger and kNumber
+  std::vector<std::string> choices;         // for kChoice
+  bool writable = true;                     // at present
+  bool moves = false;    // the value keeps changing after it is set, such as a recording's position
+  bool depends = false;  // depends on a selector, or is a selector itself
+  bool reopens = false;  // setting it in the current state requires reopening the camera
 };
 
-/// As docs/openapi.json has it.
+/// See docs/openapi.json.
 Json control_json(const Control& control);
 
 /// Throws SettingsError "NAME: VALUE is not allowed; expected ..." for a value that the control does not
-/// take.
+/// accept.
 void check_control_value(const Control& control, const Json& value);
 
-/// The camera has `b` when it says `a`: it rounds numbers, by less than a step or a ten-thousandth.
+/// Whether a camera that reports `a` was set to `b`: cameras round numbers, by less than a step or 1e-4.
 bool is_same_value(const Control& control, const Json& a, const Json& b);
 
 class ControlQueue;
 
-/// The driver of an open camera's controls. It may block for as long as the camera takes to answer: of an
-/// open camera queue() alone calls it. Lives on when the camera is closed; then all throws CaptureError.
+/// Driver of an open camera's controls. Calls may block until the camera answers; while the camera is open,
+/// only queue() makes them. May outlive the camera; every call then throws CaptureError.
 class Controls : public std::enable_shared_from_this<Controls> {
  public:
   Controls();
   virtual ~Controls();
 
-  /// All of them, in the camera's order. Throws CaptureError.
+  /// All controls, in the camera's order. Throws CaptureError.
   virtual std::vector<Control> list() = 0;
-  /// Throws SettingsError when there is no such control.
+  /// Throws SettingsError if there is no such control.
   virtual Control get(const std::string& name) = 0;
-  /// Sets a control that was just read, or does an action (whose value does not matter). Throws
-  /// SettingsError for what the camera refuses (NeedsReopening: now), and CaptureError when it does not
-  /// answer.
+  /// Sets a control that was just read, or performs an action (whose value is ignored). Throws SettingsError
+  /// if the camera refuses (NeedsReopening if the camera must be reopened first), and CaptureError if the
+  /// camera does not answer.
   void set(const Control& control, const Json& value);
   void set(const std::string& name, const Json& value) { set(get(name), value); }
 
   ControlQueue& queue() { return *queue_; }
 
  protected:
-  /// `value` is one that the control takes.
+  /// `value` has passed check_control_value().
   virtual void write(const Control& control, const Json& value) = 0;
 
  private:
   const std::unique_ptr<ControlQueue> queue_;
 };
 
-/// It takes effect only when the camera is reopened, so it cannot be set without saving it.
+/// The control takes effect only when the camera is reopened, so it cannot be set without being saved.
 struct NeedsReopening : SettingsError {
   using SettingsError::SettingsError;
 };

@@ -29,12 +29,12 @@ struct DriverCalls::Call {
 
 struct DriverCalls::Shared : std::enable_shared_from_this<Shared> {
   std::chrono::milliseconds patience, patience_with_others;
-  std::mutex mutex;  // guards what follows, and all of the calls but `run`
+  std::mutex mutex;  // guards the following members and the calls, except `run`
   std::condition_variable changed;
   std::deque<Posted> waiting;
-  bool is_running = false, ends = false;  // there is a thread
+  bool is_running = false, ends = false;  // whether the thread exists; whether ask_to_stop() was called
 
-  /// With the lock held.
+  /// Requires the lock.
   Posted add(std::function<void()> run) {
     if (ends) throw CaptureError(kEnds);
     auto call = std::make_shared<Call>(Call{std::move(run)});
@@ -44,7 +44,7 @@ struct DriverCalls::Shared : std::enable_shared_from_this<Shared> {
         shared->run_all();
       }).detach();
       is_running = true;
-      call->has_begun = true;  // nobody is before it, however late the thread begins
+      call->has_begun = true;  // count the first call as begun, even if the thread starts late
     }
     waiting.push_back(call);
     return call;
@@ -56,7 +56,7 @@ struct DriverCalls::Shared : std::enable_shared_from_this<Shared> {
                                      std::chrono::duration<double>(patience).count()));
     }
     if (!call.is_done) throw CaptureError(kEnds);
-    // Taken out: the other thread may be the last to let go of `call`.
+    // Moved out of `call`, because the other thread may be the last to release `call`.
     if (const std::exception_ptr error = std::exchange(call.error, nullptr)) std::rethrow_exception(error);
   }
 
@@ -74,7 +74,7 @@ struct DriverCalls::Shared : std::enable_shared_from_this<Shared> {
       } catch (...) {
         error = std::current_exception();
       }
-      call->run = nullptr;  // what it owns is destroyed here, not by the thread that waits
+      call->run = nullptr;  // destroy its captures here, not on the waiting thread
       lock.lock();
       call->error = std::move(error);
       call->is_done = true;

@@ -10,10 +10,10 @@
 
 namespace sslv {
 
-/// Calls of a camera's driver, or of what else nobody can interrupt, which may hang: one after the other, in
-/// a thread of their own that is there while they last. Each is waited for only so long. One that hangs is
-/// left behind, and those after it are refused soon, so that they cannot use up the threads of the callers.
-/// Copies are of the same camera. May be used from any thread.
+/// Runs calls to a camera's driver, or to other code that may hang and cannot be interrupted, one after the
+/// other in a background thread that exists while calls are pending. Waiting for a call is limited. A call
+/// that hangs is abandoned, and the calls after it are refused soon, so that they do not block the callers'
+/// threads. Copies refer to the same camera. Thread-safe.
 class DriverCalls {
  public:
   static constexpr std::chrono::milliseconds kPatience{5000}, kPatienceWithOthers{2000};
@@ -21,8 +21,9 @@ class DriverCalls {
   explicit DriverCalls(std::chrono::milliseconds patience = kPatience,
                        std::chrono::milliseconds patience_with_others = kPatienceWithOthers);
 
-  /// Runs `call`, which must own all it uses, and returns what it returns. Throws what it throws, and
-  /// CaptureError when it does not return in time or another one still has not: then it is not run.
+  /// Runs `call`, which must own all it uses, and returns its result. Throws the exceptions of `call`, and
+  /// CaptureError if `call` does not return in time, or if an earlier call still hangs (then `call` is not
+  /// run).
   template <class Act>
   auto run(Act call) const {
     const auto result = std::make_shared<std::optional<std::invoke_result_t<Act&>>>();
@@ -32,14 +33,13 @@ class DriverCalls {
 
   struct Call;
   using Posted = std::shared_ptr<Call>;
-  /// Runs `call` when its turn comes and does not wait for that. Throws std::system_error when there is no
-  /// thread to be had.
+  /// Queues `call` without waiting. Throws std::system_error if no thread can be created.
   Posted post(std::function<void()> call) const;
-  /// Until it has been run. Throws what it has thrown, and CaptureError when that takes too long; it is run
-  /// all the same then.
+  /// Waits until the call has run. Throws the call's exception, and CaptureError if that takes too long; the
+  /// call then keeps running.
   void wait(const Posted& call) const;
 
-  /// The program ends: nobody waits for an answer any more, now or later; all throws CaptureError.
+  /// Call when the program ends: current and later waits and calls throw CaptureError.
   void ask_to_stop() const;
 
  private:

@@ -8,8 +8,8 @@
 namespace sslv {
 namespace {
 
-constexpr double kOldestS = 10;      // no driver holds an image for so long
-constexpr double kEarliestS = -0.1;  // clocks that follow the same master agree better
+constexpr double kOldestS = 10;      // no driver holds an image this long
+constexpr double kEarliestS = -0.1;  // clocks synchronised to the same master differ less
 
 }  // namespace
 
@@ -32,7 +32,7 @@ bool sanitize_times(CaptureTimes& times, double now_s) {
   if (times.t_capture_camera_s && !std::isfinite(*times.t_capture_camera_s)) times.t_capture_camera_s.reset();
   if (times.t_capture_sigma_s && !std::isfinite(*times.t_capture_sigma_s)) times.t_capture_sigma_s.reset();
   const double age_s = now_s - times.t_capture_s;
-  if (age_s >= kEarliestS && age_s <= kOldestS) return false;  // NaN is neither
+  if (age_s >= kEarliestS && age_s <= kOldestS) return false;  // the condition is false for NaN
   times.t_capture_s = now_s;
   times.t_capture_sigma_s.reset();
   times.is_by_ptp = false;

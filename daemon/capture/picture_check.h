@@ -8,13 +8,13 @@
 
 namespace sslv {
 
-// What a driver hands over is looked at before the pipeline relies on it.
+// Validation of a driver's images, before the pipeline relies on them.
 
-/// Why this is no image; empty when it is one.
+/// Why the image is not valid; empty if it is valid.
 std::string find_fault(const ImageView& picture);
 
-/// Replaces an impossible time of an image by the current one: no number, in the future, or so old that a
-/// clock was set meanwhile. Returns whether it did.
+/// Replaces an impossible capture time by the current time: NaN, in the future, or so old that a clock must
+/// have been set meanwhile. Returns whether the time was replaced.
 bool sanitize_times(CaptureTimes& times, double now_s);
 
 }  // namespace sslv

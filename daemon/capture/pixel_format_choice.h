@@ -10,7 +10,7 @@
 
 namespace sslv {
 
-/// A backend's pixel_format option.
+/// Choices of a backend's pixel_format option.
 inline constexpr auto kPixelFormatChoices = [] {
   std::array<Choice<PixelFormat>, kPixelFormatNames.size()> choices{};
   for (std::size_t i = 0; i < choices.size(); ++i) {
@@ -19,7 +19,7 @@ inline constexpr auto kPixelFormatChoices = [] {
   return choices;
 }();
 
-/// The same for a backend that can find out by itself: nothing stands for "auto".
+/// The same for a backend with automatic detection: nullopt means "auto".
 using PixelFormatOrAuto = std::optional<PixelFormat>;
 inline constexpr auto kPixelFormatOrAutoChoices = [] {
   std::array<Choice<PixelFormatOrAuto>, kPixelFormatNames.size() + 1> choices{};

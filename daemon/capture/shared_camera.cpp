@@ -11,14 +11,14 @@ namespace sslv {
 struct SharedCamera::Pool {
   struct Held {
     Image image;
-    std::shared_ptr<Pool> pool;  // while it is out
+    std::shared_ptr<Pool> pool;  // set while the image is lent
     std::atomic<int> takers{0};
-    std::atomic<bool> is_free{true};  // only when all of the above is done with
+    std::atomic<bool> is_free{true};  // set last, after the other members are released
   };
   static constexpr std::size_t kMaxOut = 64;  // more than any backend lends at once
   std::array<Held, kMaxOut> held;
 
-  /// Called by the last taker of an image, among others.
+  /// Each taker's release of an image calls this; the last one frees the slot.
   static void let_go(void*, void* lent) noexcept {
     auto& held = *static_cast<Held*>(lent);
     if (held.takers.fetch_sub(1) > 1) return;
@@ -30,11 +30,11 @@ struct SharedCamera::Pool {
 
 std::shared_ptr<SharedCamera> SharedCamera::get(const std::string& key, const Open& open) {
   struct Entry {
-    std::mutex mutex;  // held while the camera is opened: the others who want it wait for it
+    std::mutex mutex;  // held while the camera is opened; other callers for this camera wait here
     std::weak_ptr<SharedCamera> camera;
   };
   static std::mutex mutex;
-  static std::map<std::string, Entry> entries;  // none is ever removed
+  static std::map<std::string, Entry> entries;  // entries are never removed
   const auto entry_of = [&]() -> Entry& {
     const std::lock_guard lock(mutex);
     return entries[key];
@@ -77,7 +77,7 @@ void SharedCamera::run() {
     } catch (...) {
       problem = "unknown error";
     }
-    if (status == CaptureStatus::kTimeout) {  // packets may be lost all the same
+    if (status == CaptureStatus::kTimeout) {  // packet counts may have changed
       const std::lock_guard lock(mutex_);
       counts_ = {source_->dropped(), source_->packets()};
       continue;
@@ -97,7 +97,7 @@ void SharedCamera::hand_out(CaptureStatus status, CapturedImage& image, const st
         if (one.is_free.load()) held = &one;
       }
     }
-    // When none is let go any more, an image is as good as not come.
+    // If all slots are taken, the image is dropped.
     const bool none_is_free = status == CaptureStatus::kImage && held == nullptr;
     if (held != nullptr) {
       held->is_free.store(false);

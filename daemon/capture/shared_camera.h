@@ -17,13 +17,13 @@
 
 namespace sslv {
 
-/// One open camera whose images go to several takers, none of which waits for another. A thread of its own
-/// takes them from the camera; nothing is copied and nothing allocated for each.
+/// One open camera whose images are delivered to several takers, none of which waits for another. Its own
+/// thread receives the images; nothing is copied or allocated per taker.
 class SharedCamera {
  public:
   using Open = std::function<std::unique_ptr<Source>()>;
 
-  /// The camera known by this key, or a new one. Throws what `open` throws.
+  /// The open camera with this key, or a new one. Throws like `open`.
   static std::shared_ptr<SharedCamera> get(const std::string& key, const Open& open);
   ~SharedCamera();
 
@@ -32,7 +32,7 @@ class SharedCamera {
     std::optional<PacketCounts> packets;
   };
 
-  /// Sees every image from its making on, as long as it comes to take them.
+  /// Receives every image delivered after its construction, if it takes the images in time.
   class Taker {
    public:
     explicit Taker(std::shared_ptr<SharedCamera> camera);
@@ -40,9 +40,9 @@ class SharedCamera {
     Taker(const Taker&) = delete;
     Taker& operator=(const Taker&) = delete;
 
-    /// As Source::next().
+    /// See Source::next().
     CaptureStatus next(CapturedImage& image, std::string& problem, std::chrono::milliseconds timeout);
-    // As of the last next(). The source's own counters are for the thread that uses it.
+    // Counters as of the last next(). (Only the camera's own thread may read the source's counters.)
     std::uint64_t dropped() const noexcept { return dropped_ + of_camera_.dropped; }
     std::optional<PacketCounts> packets() const noexcept { return of_camera_.packets; }
     SharedCamera& camera() const { return *camera_; }
@@ -50,9 +50,9 @@ class SharedCamera {
    private:
     friend class SharedCamera;
     const std::shared_ptr<SharedCamera> camera_;
-    Counts of_camera_;  // the taker's thread's
+    Counts of_camera_;  // used by the taker's thread only
     // Guarded by the camera's mutex.
-    CaptureStatus status_ = CaptureStatus::kTimeout;  // what came and was not taken; kTimeout: nothing
+    CaptureStatus status_ = CaptureStatus::kTimeout;  // result that arrived and was not taken; kTimeout: none
     CapturedImage image_;
     std::string problem_;
     std::atomic<std::uint64_t> dropped_{0};
@@ -62,8 +62,8 @@ class SharedCamera {
   std::vector<std::string> warnings() const { return source_->warnings(); }
 
  private:
-  /// Images that several takers have; the last one to let go gives an image back to the camera, which may
-  /// be closed by then.
+  /// Images held by several takers. The last release returns an image to the camera, which may be closed by
+  /// then.
   struct Pool;
 
   explicit SharedCamera(std::unique_ptr<Source> source);
@@ -71,11 +71,11 @@ class SharedCamera {
   void hand_out(CaptureStatus status, CapturedImage& image, const std::string& problem);
 
   const std::unique_ptr<Source> source_;
-  std::mutex mutex_;  // guards what follows, and what the takers were given
-  Counts counts_;     // as of the last call of next()
+  std::mutex mutex_;  // guards the following members and the takers' images
+  Counts counts_;     // the source's counters after its last next()
   std::condition_variable changed_;
   std::set<Taker*> takers_;
-  CaptureStatus end_ = CaptureStatus::kTimeout;  // kLost or kEnd: there will be no more
+  CaptureStatus end_ = CaptureStatus::kTimeout;  // kLost or kEnd: no more images will arrive
   std::string end_problem_;
   bool stop_ = false;
   const std::shared_ptr<Pool> pool_;

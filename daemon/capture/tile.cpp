@@ -13,12 +13,12 @@
 namespace sslv {
 namespace {
 
-struct Options {
+struct TileOptions {
   Json of = Json::object();
   int x = 0, y = 0, width = 2, height = 2;
   Json controls = Json::object();
   static constexpr auto fields() {
-    using O = Options;
+    using O = TileOptions;
     return std::tuple{
         object("of", &O::of, "the big camera: \"backend\" and its options, the same for all of its tiles"),
         number("x", &O::x, 0, 16382, "px", "left edge in the big image; even"),
@@ -33,7 +33,7 @@ struct Options {
 
 class TileSource final : public Source {
  public:
-  TileSource(const Options& options, const SharedCamera::Open& open)
+  TileSource(const TileOptions& options, const SharedCamera::Open& open)
       : options_(options), taker_(SharedCamera::get(options.of.dump(), open)) {
     warnings_ = taker_.camera().warnings();
     if (const auto controls = taker_.camera().controls()) controls->queue().share_with(options_.controls);
@@ -55,7 +55,7 @@ class TileSource final : public Source {
     tile.height = options_.height;
     image = std::move(whole);
     image.image.narrow_to(tile);
-    // The camera may itself read a part of its sensor.
+    // The camera itself may read only part of its sensor.
     if (image.whole.width == 0) image.whole = {view.width, view.height};
     image.whole.x += options_.x;
     image.whole.y += options_.y;
@@ -68,7 +68,7 @@ class TileSource final : public Source {
   std::vector<std::string> warnings() const override { return warnings_; }
 
  private:
-  const Options options_;
+  const TileOptions options_;
   SharedCamera::Taker taker_;
   std::vector<std::string> warnings_;
 };
@@ -77,10 +77,10 @@ class TileSource final : public Source {
 
 Json complete_tile(const Json& json, const std::string& path,
                    Json (*complete_source)(const Json& source, const std::string& path)) {
-  auto options = params_from_json<Options>(json, path);
+  auto options = params_from_json<TileOptions>(json, path);
   for (const auto& [key, value] :
        {std::pair{"x", options.x}, {"y", options.y}, {"width", options.width}, {"height", options.height}}) {
-    // Pairs of pixels share colours, in YUV 4:2:2 as in Bayer images.
+    // Two neighbouring pixels share colour, in YUV 4:2:2 and in Bayer images.
     if (value % 2 != 0) {
       throw SettingsError(fmt::format("{}/{}: {} is not allowed; expected an even number", path, key, value));
     }
@@ -92,18 +92,18 @@ Json complete_tile(const Json& json, const std::string& path,
 }
 
 Json tile_schema() {
-  return params_schema<Options>();
+  return params_schema<TileOptions>();
 }
 
 std::unique_ptr<Source> open_tile(
     const Json& json, const std::function<std::unique_ptr<Source>(const Json& source)>& open_source) {
-  const auto options = params_from_json<Options>(json, "");
+  const auto options = params_from_json<TileOptions>(json, "");
   return std::make_unique<TileSource>(options, [&] { return open_source(options.of); });
 }
 
 SourceContext whole_camera(const Json& json, SourceContext context) {
   if (!context.scene.camera) return context;
-  const auto options = params_from_json<Options>(json, "");
+  const auto options = params_from_json<TileOptions>(json, "");
   CameraCalibration whole = context.scene.camera->calibration();
   whole.principal_point_x += options.x;
   whole.principal_point_y += options.y;

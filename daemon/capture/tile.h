@@ -9,19 +9,20 @@
 
 namespace sslv {
 
-// A part of a big camera's images as a camera of its own, without copying. Tiles of the same camera share
-// it. What kind of camera that may be is the caller's to know.
+// A tile: a rectangle of a big camera's images, used as a camera of its own, without copying. All tiles of a
+// big camera share one open camera. The caller decides which backends the big camera may use.
 
-/// Options with defaults filled in; `complete_source` does that for the big camera's. Throws SettingsError,
-/// beginning with `path`.
+/// Returns the options with defaults filled in; `complete_source` does the same for the big camera's options.
+/// Throws SettingsError, beginning with `path`.
 Json complete_tile(const Json& options, const std::string& path,
                    Json (*complete_source)(const Json& source, const std::string& path));
 Json tile_schema();
-/// `open_source` opens the big camera, when no other tile has; throws what that throws.
+/// Opens a tile. Calls `open_source` for the big camera unless another tile has opened it, and throws the
+/// exceptions of `open_source`.
 std::unique_ptr<Source> open_tile(
     const Json& options, const std::function<std::unique_ptr<Source>(const Json& source)>& open_source);
 
-/// What the big camera sees, where `context` says what the tile sees: the same optics, other edges.
+/// Converts a tile's context to the big camera's: the same optics with a larger image.
 SourceContext whole_camera(const Json& options, SourceContext context);
 
 }  // namespace sslv

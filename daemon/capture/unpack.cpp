@@ -22,7 +22,7 @@ std::uint8_t byte(int value) noexcept {
   return static_cast<std::uint8_t>(value);
 }
 
-/// Calls `split` with each whole group of `kPixels` pixels, and with a part of one at the end.
+/// Calls `split` with each whole group of `kPixels` pixels, and with the incomplete group at the end.
 template <std::size_t kPixels, std::size_t kBytes, class Split>
 void for_groups(const std::uint8_t* __restrict from, std::size_t pixels, std::uint8_t* __restrict to,
                 std::uint8_t* __restrict low, const Split& split) noexcept {
@@ -30,7 +30,7 @@ void for_groups(const std::uint8_t* __restrict from, std::size_t pixels, std::ui
     split(from, to, low);
   if (pixels == 0) return;
   std::uint8_t group[kBytes]{}, last[2][kPixels];
-  std::copy_n(from, (pixels * kBytes + kPixels - 1) / kPixels, group);  // no more of it was sent
+  std::copy_n(from, (pixels * kBytes + kPixels - 1) / kPixels, group);  // only these bytes were sent
   split(group, last[0], last[1]);
   std::copy_n(last[0], pixels, to);
   std::copy_n(last[1], pixels, low);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What a clip holds: raw frames of one or more cameras with all that they were processed with, and what was
-// found and sent. docs/recording.md describes the file.
+// The contents of a clip: raw frames of one or more cameras, everything needed to process them again, and the
+// packets that were sent. docs/recording.md describes the file format.
 
 #include "base/json.h"
 #include "image/frame_info.h"
@@ -18,49 +18,50 @@
 
 namespace sslv {
 
-/// A file or memory that is no clip, or a damaged one: one line; of a file it begins with the path.
+/// The file or memory is not a clip, or is damaged. The message is one line; for a file, the message begins
+/// with the path.
 struct ClipError : std::runtime_error {
   using runtime_error::runtime_error;
 };
 
-/// What a camera's frames were processed with, from one frame to the next change.
+/// One camera's settings and colour table, valid for its frames until the next change.
 struct ClipSetup {
   int camera_id = 0;
-  /// "settings": the complete tree with this camera alone; "robot_height_mm": of yellow and blue; "patterns":
-  /// the text of the patterns_file, or null.
+  /// "settings": the complete tree, with this camera only; "robot_height_mm": heights of the yellow and the
+  /// blue robots; "patterns": the text of the patterns_file, or null.
   Json about = Json::object();
-  /// The colour table in the light of that moment, as a .lut file; empty: that of the settings.
+  /// The colour table as adapted to the light at that time, as a .lut file; empty: the table of the settings.
   std::vector<std::byte> table{};
 };
 
-/// One frame, as it lies in memory that somebody else owns.
+/// One frame. Image, packet and memory are views of bytes that the frame does not own.
 struct ClipFrame {
-  FrameInfo info{};         // arrived_ns is 0 when it was read from a clip
-  std::uint32_t setup = 0;  // place in the clip's list of setups
-  ImageView image{};        // empty: it has none
-  /// The packet that was sent, SSL_WrapperPacket; empty: none was.
+  FrameInfo info{};         // arrived_ns is 0 in a frame read from a clip
+  std::uint32_t setup = 0;  // index in the clip's list of setups
+  ImageView image{};        // empty: no image
+  /// The SSL_WrapperPacket that was sent; empty if no packet was sent.
   std::span<const std::byte> packet{};
-  /// What the stages remembered before this frame (Pipeline::save()); empty: it was not kept.
+  /// The stages' state before this frame (Pipeline::save()); empty if it was not stored.
   std::span<const std::byte> memory{};
 };
 
-/// Something that happened while the clip lasted, or why it was kept.
+/// An event during the clip, or the reason why the clip was kept.
 struct ClipEvent {
-  double time_s = 0;   // Unix
+  double time_s = 0;   // Unix time
   std::string kind{};  // "alert", "goal", "command", "kept"...
-  std::string text{};  // for people
+  std::string text{};  // human-readable
 };
 
-/// ClipAbout::kind of clips that somebody asked for, and of those that a crash left.
+/// Values of ClipAbout::kind for clips that a user requested and for crash clips.
 inline constexpr std::string_view kKeptClip = "kept", kCrashClip = "crash";
 
-/// What a clip says about itself.
+/// A clip's metadata.
 struct ClipAbout {
   std::string site{};             // name of the field
-  std::string version{};          // of the service that wrote it
-  std::string kind{};             // what it was made for: "kept", "alert", "goal", "command", "crash"
-  std::string why{};              // for people: "kept by hand", an alert's title
-  double begin_s = 0, end_s = 0;  // Unix time that was asked for; frames may lack at either end
+  std::string version{};          // version of the service that wrote the clip
+  std::string kind{};             // cause of the clip: "kept", "alert", "goal", "command", "crash"
+  std::string why{};              // human-readable cause: "kept by hand", an alert's title
+  double begin_s = 0, end_s = 0;  // requested Unix times; frames may be missing at either end
 };
 
 }  // namespace sslv

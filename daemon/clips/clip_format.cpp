@@ -15,7 +15,8 @@ constexpr std::uint32_t kHasCameraTime = 1, kHasSigma = 2, kIsByPtp = 4, kIsDeep
 // Bits of an index line's flags.
 constexpr std::uint32_t kHasMemory = 1, kIsWhole = 2;
 
-/// By their numbers in the file, which stay when the list in image.h changes.
+/// Pixel formats, indexed by their numbers in the file. The numbers stay the same when the enum in
+/// image/image.h changes.
 constexpr std::array kFormats{PixelFormat::kUyvy,     PixelFormat::kYuyv,     PixelFormat::kRgb24,
                               PixelFormat::kBgr24,    PixelFormat::kMono8,    PixelFormat::kBayerRg8,
                               PixelFormat::kBayerGr8, PixelFormat::kBayerGb8, PixelFormat::kBayerBg8};
@@ -61,7 +62,7 @@ void put_u64(std::span<std::byte> bytes, std::size_t place, std::uint64_t value)
 }
 
 std::uint32_t clip_sum(std::span<const std::byte> bytes, std::uint32_t sum) {
-  if (bytes.empty()) return sum;  // zlib takes a null pointer for the wish to begin
+  if (bytes.empty()) return sum;  // zlib returns the initial value for a null pointer, whatever `sum` is
   return static_cast<std::uint32_t>(crc32_z(sum, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
@@ -163,7 +164,7 @@ std::optional<ClipFrameHead> frame_head_of(std::span<const std::byte, kClipFrame
            .height = i32_at(bytes, 52),
            .x = i32_at(bytes, 56),
            .y = i32_at(bytes, 60)};
-  // A sensor's size and a place on it, so that sums of them are numbers, too.
+  // Bounds the larger image's size and the position in it, so that their sums cannot overflow.
   constexpr int kMaxSide = 1 << 20;
   for (const int number : {whole.width, whole.height, whole.x, whole.y}) {
     if (number < 0 || number > kMaxSide) return std::nullopt;
@@ -171,7 +172,8 @@ std::optional<ClipFrameHead> frame_head_of(std::span<const std::byte, kClipFrame
   head.packet_bytes = u64_at(bytes, 72);
   head.memory_bytes = u64_at(bytes, 80);
   head.image_bytes = u64_at(bytes, 96);
-  // With squares of so many pixels a map of bits says which of them are there.
+  // Earlier versions could store parts of an image: side of a square; size of the bitmap of the stored
+  // squares.
   const int square_px = i32_at(bytes, 64);
   const std::uint64_t map_bytes = u64_at(bytes, 88);
   head.is_in_parts = square_px != 0;
@@ -231,8 +233,8 @@ std::array<std::byte, kClipSetupBytes> setup_head(std::uint32_t number, std::siz
 }
 
 std::int64_t clip_ns(double time_s) {
-  constexpr double kMost_ns = 9.2e18;
-  return std::isfinite(time_s) ? static_cast<std::int64_t>(std::clamp(time_s * 1e9, -kMost_ns, kMost_ns)) : 0;
+  constexpr double kMax_ns = 9.2e18;
+  return std::isfinite(time_s) ? static_cast<std::int64_t>(std::clamp(time_s * 1e9, -kMax_ns, kMax_ns)) : 0;
 }
 
 std::array<std::byte, kClipIndexBytes> encoded(const ClipIndexLine& line) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// How a clip's bytes lie, for its writer and its reader. docs/recording.md describes the same for authors of
-// tools: keep both alike. All numbers are little-endian.
+// The binary format of clips, for their writer and reader. All numbers are little-endian. docs/recording.md
+// describes the format for authors of tools: keep both in sync.
 
 #include "clips/clip.h"
 
@@ -16,81 +16,82 @@
 
 namespace sslv {
 
-/// Like PNG's: a byte that is no ASCII, and line ends that a transfer as text would change.
+/// Like PNG's signature, contains a non-ASCII byte, and line ends that a text transfer would change.
 inline constexpr std::string_view kClipMagic = "\x89SSL_CLIP\r\n\x1a";
 inline constexpr std::uint32_t kClipVersion = 1;
-inline constexpr std::size_t kClipHeadBytes = 16;     // of the file
-inline constexpr std::size_t kClipBlockBytes = 32;    // before each block's payload
-inline constexpr std::size_t kClipFrameBytes = 128;   // at the beginning of a frame's payload
-inline constexpr std::size_t kClipSetupBytes = 16;    // at the beginning of a setup's payload
-inline constexpr std::size_t kClipMissingBytes = 8;   // the whole payload
-inline constexpr std::size_t kClipIndexBytes = 40;    // of each block that the index names
-inline constexpr std::size_t kClipTrailerBytes = 16;  // at the end of the file
+inline constexpr std::size_t kClipHeadBytes = 16;     // header of the file
+inline constexpr std::size_t kClipBlockBytes = 32;    // head of each block, before its payload
+inline constexpr std::size_t kClipFrameBytes = 128;   // head of a frame's payload
+inline constexpr std::size_t kClipSetupBytes = 16;    // head of a setup's payload
+inline constexpr std::size_t kClipMissingBytes = 8;   // whole payload of a kMissing block
+inline constexpr std::size_t kClipIndexBytes = 40;    // line in the index, one per block
+inline constexpr std::size_t kClipTrailerBytes = 16;  // trailer at the end of the file
 inline constexpr std::string_view kClipTrailerMagic = "SSL_CEND";
 
-/// Files may be sparse: what they say of sizes costs their authors nothing. With these limits, for writers as
-/// for readers, no file takes more than 64 MB of memory while it is opened and its frames are looked at, nor
-/// while it is opened and a setup is read. A replay needs a frame and its setup at once, and more.
+/// Limits for writers and readers. Files may be sparse, so a file's size does not bound the sizes stated in
+/// it. With these limits, opening a file and reading its frames, or opening it and reading a setup, takes at
+/// most 64 MB of memory. A replay needs more memory, because it holds a frame and its setup at once.
 inline constexpr std::uint64_t kMaxClipBlocks = 1 << 19;  // eight cameras at 75 Hz for 14 minutes
 inline constexpr std::size_t kMaxClipCameras = 256;
 inline constexpr std::size_t kMaxClipSetups = 16384;
 inline constexpr std::size_t kMaxClipEvents = 4096;
-/// Blocks that are left to what comes when no more frames do.
+/// Number of blocks reserved for the blocks after the last frame.
 inline constexpr std::uint64_t kClipEndBlocks = kMaxClipEvents + kMaxClipCameras + 8;
-/// Of a setup's JSON, whose values take up to twenty times the memory of their text.
+/// Maximum bytes of a setup's JSON, whose parsed values take up to twenty times the memory of the text.
 inline constexpr std::size_t kMaxClipJsonBytes = std::size_t{1} << 20U;
-/// Of the JSON of an event, or of what the clip says about itself; of all of them together.
+/// Maximum bytes of the JSON of an event or of ClipAbout; maximum bytes of all these JSON texts together.
 inline constexpr std::size_t kMaxClipEventBytes = std::size_t{64} << 10U;
 inline constexpr std::size_t kMaxClipEventBytesInAll = std::size_t{1} << 20U;
-inline constexpr std::size_t kMaxClipTableBytes = std::size_t{20} << 20U;  // 8 bits a colour: 16 MiB
+inline constexpr std::size_t kMaxClipTableBytes = std::size_t{20} << 20U;  // with 8-bit channels: 16 MiB
 inline constexpr std::size_t kMaxClipPacketBytes = 65'507;                 // the largest datagram
 inline constexpr std::size_t kMaxClipMemoryBytes = std::size_t{1} << 20U;
 inline constexpr std::size_t kMaxClipImageBytes = std::size_t{48} << 20U;  // 25 megapixels of 2 bytes
-/// Of an image that a reader has in memory, and what it keeps of all frames: of a clip of very many frames,
-/// images may only be smaller. Such a clip of larger ones would have terabytes.
+/// Limit for the memory of a reader: one image, and the entries of all frames. In clips of very many frames,
+/// this allows only smaller images than kMaxClipImageBytes; with larger images, such a clip would have
+/// terabytes.
 inline constexpr std::size_t kMaxClipBytesInMemory = 52'000'000;
 
 enum class ClipBlock : std::uint32_t { kAbout = 1, kSetup, kFrame, kEvent, kMissing, kIndex };
 
 struct ClipBlockHead {
-  std::uint32_t type = 0;  // ClipBlock, or one that a later program wrote
+  std::uint32_t type = 0;  // ClipBlock, or a type of a later version
   std::uint32_t camera_id = 0;
-  std::uint64_t bytes = 0;   // of the payload
-  std::int64_t time_ns = 0;  // Unix; 0: it has none
+  std::uint64_t bytes = 0;   // size of the payload
+  std::int64_t time_ns = 0;  // Unix time; 0: none
   std::uint32_t sum = 0;     // CRC-32 of the payload
 };
 
-/// A frame's payload begins with this; then come packet, memory and image.
+/// Start of a frame's payload; packet, memory and image follow.
 struct ClipFrameHead {
-  FrameInfo info{};         // all but the camera's id, which the block has, and arrived_ns
-  std::uint32_t setup = 0;  // number
+  FrameInfo info{};         // without arrived_ns and camera_id, which is in the block head
+  std::uint32_t setup = 0;  // number of the setup
   PixelFormat format = PixelFormat::kMono8;
-  int width = 0, height = 0;  // px; 0: without an image
-  bool is_deep = false;       // low bits follow the pixels
+  int width = 0, height = 0;  // px; 0: no image
+  bool is_deep = false;       // a plane of low bits follows the pixels
   std::uint64_t packet_bytes = 0, memory_bytes = 0, image_bytes = 0;
-  /// Earlier versions could keep only parts of an image. They are passed over: such a frame has no image.
+  /// Earlier versions could keep parts of an image. Readers skip such parts, so the frame has no image.
   bool is_in_parts = false;
 
   bool has_image() const { return width != 0 && !is_in_parts; }
 };
 
-/// What a setup's payload holds.
+/// Contents of a setup's payload.
 struct ClipSetupParts {
   std::uint32_t number = 0;
   std::span<const std::byte> json, table;
 };
 
-/// What the index says of a block.
+/// A block's line in the index.
 struct ClipIndexLine {
-  std::uint64_t place = 0;  // in the file
-  std::uint64_t bytes = 0;  // of the payload
-  double t_capture_s = 0;   // of a frame; 0 for others
+  std::uint64_t place = 0;  // offset in the file
+  std::uint64_t bytes = 0;  // size of the payload
+  double t_capture_s = 0;   // capture time of a frame; 0 for other blocks
   std::uint32_t type = 0, camera_id = 0;
-  std::uint32_t number = 0;  // of a frame or setup; 0 for others
+  std::uint32_t number = 0;  // number of a frame or setup; 0 for other blocks
   bool has_memory = false, is_whole = false;
 };
 
-/// Times that may be missing are missing where they are no numbers: a frame must not be lost for them.
+/// Resets optional times that are not finite, so that the frame is not rejected because of them.
 void leave_out_bad_times(CaptureTimes& times);
 
 std::array<std::byte, kClipHeadBytes> clip_head();
@@ -99,22 +100,22 @@ std::array<std::byte, kClipFrameBytes> encoded(const ClipFrameHead& head);
 std::array<std::byte, kClipIndexBytes> encoded(const ClipIndexLine& line);
 std::array<std::byte, kClipTrailerBytes> clip_trailer(std::uint64_t index_place);
 
-/// None where the bytes are damaged.
+/// Nullopt if the bytes are damaged.
 std::optional<ClipBlockHead> block_head_of(std::span<const std::byte, kClipBlockBytes> bytes);
-/// None where the bytes are damaged, or cannot be a payload of `payload_bytes`. All sizes in it fit each
-/// other; but its image may be larger than kMaxClipImageBytes.
+/// Nullopt if the bytes are damaged or do not fit a payload of `payload_bytes`. All sizes in the result are
+/// consistent, but the image may be larger than kMaxClipImageBytes.
 std::optional<ClipFrameHead> frame_head_of(std::span<const std::byte, kClipFrameBytes> bytes,
                                            std::uint64_t payload_bytes);
-/// The frame of a head. `rest`: what follows it in the payload, at least packet and memory; `pixels`: its
-/// image, null where it has none. All in the frame lies there.
+/// The frame with this head, as views of `rest` and `pixels`. `rest`: the payload after the head, at least
+/// packet and memory; `pixels`: the image; null if the frame has none.
 ClipFrame frame_of(const ClipFrameHead& head, std::uint32_t camera_id, std::span<const std::byte> rest,
                    const std::uint8_t* pixels);
-/// None where the sizes do not fit each other, or are beyond the limits.
+/// Nullopt if the sizes are inconsistent or exceed the limits.
 std::optional<ClipSetupParts> setup_in(std::span<const std::byte> payload);
-/// What stands before JSON and table in a setup's payload.
+/// Start of a setup's payload, before JSON and table.
 std::array<std::byte, kClipSetupBytes> setup_head(std::uint32_t number, std::size_t json_bytes);
 ClipIndexLine index_line_of(std::span<const std::byte, kClipIndexBytes> bytes);
-/// Place of the index; none: this is no trailer.
+/// Offset of the index in the file; nullopt if this is not a trailer.
 std::optional<std::uint64_t> index_place_of(std::span<const std::byte, kClipTrailerBytes> trailer);
 
 std::uint32_t u32_at(std::span<const std::byte> bytes, std::size_t place);
@@ -122,10 +123,10 @@ std::uint64_t u64_at(std::span<const std::byte> bytes, std::size_t place);
 void put_u32(std::span<std::byte> bytes, std::size_t place, std::uint32_t value);
 void put_u64(std::span<std::byte> bytes, std::size_t place, std::uint64_t value);
 
-/// CRC-32 as gzip has it, going on from `sum`.
+/// CRC-32 as in gzip, continued from `sum`.
 std::uint32_t clip_sum(std::span<const std::byte> bytes, std::uint32_t sum = 0);
 
-/// Zeros behind a payload, so that every block begins at a multiple of 8.
+/// Number of zero bytes after a payload, so that every block begins at a multiple of 8.
 constexpr std::size_t clip_padding(std::uint64_t payload_bytes) {
   return static_cast<std::size_t>((8 - payload_bytes % 8) % 8);
 }
@@ -134,17 +135,17 @@ constexpr std::uint64_t clip_block_bytes(std::uint64_t payload_bytes) {
   return kClipBlockBytes + payload_bytes + clip_padding(payload_bytes);
 }
 
-/// The size of one plane: the pixels, or their low bits.
+/// Bytes of one plane: the pixels, or their low bits.
 constexpr std::size_t clip_plane_bytes(PixelFormat format, int width, int height) {
   return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
          static_cast<std::size_t>(bytes_per_pixel(format));
 }
-/// Of all planes of a frame's image.
+/// Bytes of all planes of an image.
 inline std::size_t clip_image_bytes(const ImageView& image) {
   if (image.empty()) return 0;
   return clip_plane_bytes(image.format, image.width, image.height) * (image.to_low_bits != 0 ? 2 : 1);
 }
-/// On the clock of block heads; 0 where it is no time.
+/// Unix time in ns, as in block heads; clamped to +-9.2e18, 0 if `time_s` is not finite.
 std::int64_t clip_ns(double time_s);
 
 }  // namespace sslv

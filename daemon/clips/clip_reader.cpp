@@ -27,7 +27,7 @@ namespace sslv {
 namespace {
 
 constexpr std::size_t kHeadsBytes = kClipBlockBytes + kClipFrameBytes;
-/// No file is as large.
+/// Mask for Entry::place; no file is larger.
 constexpr std::uint64_t kMaxPlace = (std::uint64_t{1} << 62U) - 1;
 
 std::string text_in(const Json& json, const char* key) {
@@ -40,10 +40,10 @@ double number_in(const Json& json, const char* key) {
   return found != json.end() && found->is_number() ? found->get<double>() : 0;
 }
 
-/// What clips of crashes said of themselves before ClipAbout::kind was written; nobody else could say it.
+/// ClipAbout::why of crash clips from before ClipAbout::kind existed; other clips could not have this text.
 constexpr std::string_view kWhyOfOldCrashClips = "the service crashed";
 
-/// Null where it is none.
+/// The parsed JSON; null if the text is not valid JSON or too large.
 Json json_in(std::span<const std::byte> text) {
   try {
     return parse_bounded_json({reinterpret_cast<const char*>(text.data()), text.size()});
@@ -60,7 +60,7 @@ struct ClipReader::File {
 
   File(const std::filesystem::path& path, const std::stop_token& stop)
       : name(path.string()),
-        // A pipe would wait for somebody who writes into it.
+        // O_NONBLOCK: opening a pipe would wait for a writer.
         fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
     if (fd < 0) refuse(fmt::format("cannot be read: {}", std::strerror(errno)));
     try {
@@ -81,7 +81,8 @@ struct ClipReader::File {
     if (problem.empty()) problem = fmt::format("{}: {}", name, what);
   }
 
-  /// Fills two pieces of memory, one after the other, from `place` on.
+  /// Reads from offset `place` into `first`, then into `second`. Throws ClipError, also at the end of the
+  /// file.
   void read_at(std::uint64_t place, std::span<std::byte> first, std::span<std::byte> second = {}) const {
     while (!first.empty() || !second.empty()) {
       const std::array<iovec, 2> parts{{{first.data(), first.size()}, {second.data(), second.size()}}};
@@ -97,7 +98,7 @@ struct ClipReader::File {
     }
   }
 
-  /// False where a block cannot lie whole in the file.
+  /// Whether a block lies completely between the head of the file and `end`.
   bool is_inside(std::uint64_t place, std::uint64_t payload_bytes, std::uint64_t end) const {
     return place >= kClipHeadBytes && place <= end && end - place >= kClipBlockBytes &&
            payload_bytes <= end - place - kClipBlockBytes;
@@ -136,7 +137,7 @@ struct ClipReader::File {
                        kClipVersion));
   }
 
-  /// False when there is none that could be right.
+  /// False if there is no valid index. Throws ClipError if the index lists too many blocks.
   bool read_index() {
     constexpr std::uint64_t kLeast = kClipHeadBytes + kClipBlockBytes + kClipTrailerBytes;
     if (size < kLeast) return false;
@@ -156,7 +157,7 @@ struct ClipReader::File {
     if (lines > kMaxClipBlocks)
       refuse(fmt::format("has an index of {} blocks; a clip has at most {}", lines, kMaxClipBlocks));
     bool fits = true;
-    std::uint64_t free = kClipHeadBytes;  // the blocks before end here
+    std::uint64_t free = kClipHeadBytes;  // end of the previous block
     std::size_t frames = 0;
     const std::uint32_t sum = each_index_line(*place, lines, [&](const ClipIndexLine& line) {
       fits = fits && line.place >= free && line.place % 8 == 0 && is_inside(line.place, line.bytes, *place);
@@ -171,7 +172,7 @@ struct ClipReader::File {
     return true;
   }
 
-  /// Calls use(line) for each; the checksum of all.
+  /// Calls use(line) for each line. Returns the checksum of all.
   template <class Use>
   std::uint32_t each_index_line(std::uint64_t index, std::uint64_t lines, const Use& use) const {
     std::vector<std::byte> some(1024 * kClipIndexBytes);
@@ -199,7 +200,7 @@ struct ClipReader::File {
                  .is_whole = line.is_whole});
       return;
     }
-    // What frames were processed with may be damaged; the frames are there all the same.
+    // Count the setup even if its block is damaged, so that its frames stay readable.
     if (line.type == static_cast<std::uint32_t>(ClipBlock::kSetup)) note_setup(line.number, line.place);
     std::array<std::byte, kClipBlockBytes> bytes{};
     read_at(line.place, bytes);
@@ -211,7 +212,7 @@ struct ClipReader::File {
       take(*block, line.place);
   }
 
-  /// From block to block, as far as they can be read.
+  /// Rebuilds the index from the block heads, up to the first damaged one.
   void scan(const std::stop_token& stop) {
     note("has no end: it was not finished, or is damaged");
     std::uint64_t place = kClipHeadBytes;
@@ -252,7 +253,7 @@ struct ClipReader::File {
     return true;
   }
 
-  /// A block that is no frame. What is damaged is left out; what is not known, too.
+  /// Reads a block other than a frame. Skips damaged blocks and unknown types.
   void take(const ClipBlockHead& head, std::uint64_t place) {
     const auto type = static_cast<ClipBlock>(head.type);
     if (type != ClipBlock::kAbout && type != ClipBlock::kSetup && type != ClipBlock::kEvent &&
@@ -269,7 +270,7 @@ struct ClipReader::File {
     } else {
       if (head.bytes > std::min(kMaxClipEventBytes, json_left)) return false;
       if (is_event ? events.size() >= kMaxClipEvents : has_about) return false;
-      json_left -= static_cast<std::size_t>(head.bytes);  // damaged or not: many cost time
+      json_left -= static_cast<std::size_t>(head.bytes);  // also if damaged, to bound the reading time
     }
     const auto payload = read_payload(head, place);
     if (!payload) return false;
@@ -296,7 +297,7 @@ struct ClipReader::File {
     return true;
   }
 
-  /// None where it is damaged. The caller knows that its size is within the limits.
+  /// Nullopt if the checksum is wrong. The caller must have checked the size.
   std::optional<std::vector<std::byte>> read_payload(const ClipBlockHead& head, std::uint64_t place) const {
     std::vector<std::byte> payload(static_cast<std::size_t>(head.bytes));
     read_at(place + kClipBlockBytes, payload);
@@ -304,7 +305,7 @@ struct ClipReader::File {
     return payload;
   }
 
-  /// Only where it is: its table may be large, and few are wanted.
+  /// Only stores the setup's offset, because the table may be large, and few setups are read.
   bool take_setup(const ClipBlockHead& head, std::uint64_t place) {
     if (head.bytes < kClipSetupBytes ||
         head.bytes > kClipSetupBytes + kMaxClipJsonBytes + kMaxClipTableBytes || head.camera_id > INT_MAX)
@@ -317,7 +318,8 @@ struct ClipReader::File {
     return true;
   }
 
-  /// More cannot have been written before `place` and by the block there. False: it cannot be.
+  /// Counts setup `number`. False if the file up to the block at `place` is too short for so many setups, or
+  /// if a clip cannot have so many setups.
   bool note_setup(std::uint32_t number, std::uint64_t place) {
     if (number >= std::min<std::uint64_t>(place / (kClipBlockBytes + kClipSetupBytes) + 1, kMaxClipSetups))
       return false;
@@ -326,7 +328,7 @@ struct ClipReader::File {
   }
 
   ClipSetup setup(std::size_t number) const {
-    const ClipSetup none{.about = nullptr};
+    ClipSetup none{.about = nullptr};
     if (number >= setups.size() || setups[number] == 0) return none;
     std::array<std::byte, kClipBlockBytes> bytes{};
     read_at(setups[number], bytes);
@@ -339,13 +341,13 @@ struct ClipReader::File {
     if (!parts || parts->number != number) return none;
     Json json = json_in(parts->json);
     if (!json.is_object()) return none;
-    // The table stays where it is: twice would be much memory.
+    // Keep the table in the buffer of the payload: a copy would double the memory.
     payload->erase(payload->begin(), payload->end() - static_cast<std::ptrdiff_t>(parts->table.size()));
     return {static_cast<int>(head->camera_id), std::move(json), *std::move(payload)};
   }
 
   void put_in_order() {
-    // A camera's frames stay as they were processed, also where the clock was set back meanwhile.
+    // Keep each camera's frames in processing order, even if the clock was set back.
     std::map<std::uint32_t, double> latest_s;
     std::vector<std::pair<double, std::uint32_t>> order;
     order.reserve(entries.size());
@@ -355,7 +357,7 @@ struct ClipReader::File {
       order.emplace_back(latest, static_cast<std::uint32_t>(order.size()));
     }
     std::ranges::stable_sort(order, {}, [](const auto& one) { return one.first; });
-    // In place, for there may be many: each circle of entries that change their places, one after the other.
+    // Permute in place, cycle by cycle, to save memory.
     for (std::uint32_t begin = 0; begin < order.size(); ++begin) {
       for (std::uint32_t to = begin; order[to].second != to;) {
         const std::uint32_t from = std::exchange(order[to].second, to);
@@ -384,7 +386,7 @@ struct ClipReader::File {
     return std::min(kMaxClipImageBytes, kMaxClipBytesInMemory - kOfAFrame * entries.size());
   }
 
-  /// Why the frame cannot be given; empty: it is in `frame`.
+  /// Reads the frame into `frame`. Returns why reading failed; empty if it succeeded.
   std::string read_into_frame(const Entry& entry, const Room& room) {
     std::array<std::byte, kHeadsBytes> heads{};
     read_at(entry.place, heads);
@@ -402,7 +404,7 @@ struct ClipReader::File {
     if (image_bytes > 0) {
       const bool is_theirs = room && head->has_image();
       if (!is_theirs) {
-        if (image.capacity() < image_bytes) image = std::vector<std::uint8_t>();  // never two at once
+        if (image.capacity() < image_bytes) image = std::vector<std::uint8_t>();  // frees the old image first
         image.resize(image_bytes);
       }
       pixels = is_theirs ? room(image_bytes) : image.data();
@@ -436,13 +438,13 @@ struct ClipReader::File {
   ClipAbout about;
   std::vector<Entry> entries;
   std::vector<Camera> cameras;
-  std::vector<std::uint64_t> setups;                // places of their blocks; 0: it is not there
-  std::size_t json_left = kMaxClipEventBytesInAll;  // that may be read
+  std::vector<std::uint64_t> setups;                // offsets of the setups' blocks; 0: missing
+  std::size_t json_left = kMaxClipEventBytesInAll;  // JSON bytes that may still be read
   std::vector<ClipEvent> events;
-  std::map<std::uint32_t, std::uint64_t> missing;  // frames of each camera that there is
+  std::map<std::uint32_t, std::uint64_t> missing;  // missing frames of each known camera
 
-  ClipFrame frame;                     // the last that was read
-  std::vector<std::byte> frame_bytes;  // its parts
+  ClipFrame frame;                     // the last frame read
+  std::vector<std::byte> frame_bytes;  // packet and memory of `frame`
   std::vector<std::uint8_t> image;
 };
 

@@ -23,8 +23,8 @@
 namespace sslv {
 namespace {
 
-/// So much of a clip may wait in memory for the disk, twice; more would push out what other programs need,
-/// and a disk that is slow would stop the writer for long at once.
+/// Writeback starts at this number of unwritten bytes in the page cache; at most twice as many are unwritten.
+/// More would evict the pages of other programs, and a slow disk would then block the writer for long.
 constexpr std::uint64_t kMaxUnwrittenBytes = 32ULL << 20U;
 
 std::span<const std::byte> bytes_of(const std::string& text) {
@@ -71,7 +71,7 @@ struct ClipWriter::File {
     throw StorageError(fmt::format("{}: {}", name, why));
   }
 
-  /// Within the limits that its reader has.
+  /// Throws StorageError if the text is longer than `max_bytes`.
   std::string json_text(const Json& json, std::size_t max_bytes) {
     std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
     if (text.size() > max_bytes)
@@ -85,8 +85,8 @@ struct ClipWriter::File {
     parts.push_back({const_cast<std::byte*>(part.data()), part.size()});  // writev only reads it
   }
 
-  /// Writes what `parts` names, behind what is there. What was written in part is cut off again, so that the
-  /// file ends with a block.
+  /// Appends `parts` to the file. Truncates the file again after a partial write, so that it ends with a
+  /// complete block.
   void write_parts(std::uint64_t count) {
     if (is_broken) refuse("cannot be written: it could not be shortened after an earlier error");
     std::size_t done = 0;
@@ -110,7 +110,8 @@ struct ClipWriter::File {
     size += count;
   }
 
-  /// Lets the disk begin with what is new, waits for what it had before, and gives that memory back.
+  /// Starts writeback of the new range, waits for writeback of the previous range, and drops the previous
+  /// range from the page cache.
   void hand_on() {
     sync_range(handed_on, size - handed_on, SYNC_FILE_RANGE_WRITE);
     if (handed_on > written)
@@ -120,7 +121,8 @@ struct ClipWriter::File {
     written = handed_on;
     handed_on = size;
   }
-  /// What a disk says here it does not say again. Some file systems know no ranges; finish() is enough there.
+  /// Throws on errors of the disk, which the kernel reports only once. On file systems that do not support
+  /// ranges, the sync in finish() is enough.
   void sync_range(std::uint64_t begin, std::uint64_t count, unsigned how) const {
     if (::sync_file_range(fd, static_cast<off_t>(begin), static_cast<off_t>(count), how) == 0) return;
     if (errno == EIO || errno == ENOSPC || errno == EDQUOT) fail();
@@ -139,7 +141,7 @@ struct ClipWriter::File {
     finish_block(type, camera_id, time_ns, sum, count, line);
   }
 
-  /// Writes a block whose payload lies in parts[1] and the following.
+  /// Writes a block. Its payload is in parts[1] and the following parts.
   void finish_block(ClipBlock type, std::uint32_t camera_id, std::int64_t time_ns, std::uint32_t sum,
                     std::uint64_t count, ClipIndexLine line) {
     const auto head = encoded(ClipBlockHead{.type = static_cast<std::uint32_t>(type),
@@ -158,14 +160,15 @@ struct ClipWriter::File {
     line.type = static_cast<std::uint32_t>(type);
     line.camera_id = camera_id;
     const auto in_index = encoded(line);
-    // Before it is written: what was written is never missing there.
+    // Allocate before writing: a written block must be in the index.
     if (index.capacity() - index.size() < in_index.size()) index.reserve(2 * index.size() + 4096);
     write_parts(clip_block_bytes(count));
     index.insert(index.end(), in_index.begin(), in_index.end());
   }
   std::uint64_t blocks() const { return index.size() / kClipIndexBytes; }
 
-  /// The rows of one plane, which lies `offset` bytes behind the image's.
+  /// Adds the rows of the plane that begins `offset` bytes after the image's data, also to the checksum
+  /// `sum`.
   void add_plane(const ImageView& image, std::ptrdiff_t offset, std::uint32_t& sum) {
     const std::size_t row_bytes = clip_plane_bytes(image.format, image.width, 1);
     const bool is_tight = image.stride_bytes == static_cast<std::ptrdiff_t>(row_bytes);
@@ -182,10 +185,10 @@ struct ClipWriter::File {
   const int fd;
   const std::uint64_t max_blocks;
   std::uint64_t size = 0;
-  std::uint64_t handed_on = 0, written = 0;  // the disk has begun with it; it is there
+  std::uint64_t handed_on = 0, written = 0;  // end of the range under writeback; end of the range on the disk
   bool is_broken = false;
-  std::vector<iovec> parts;      // of the block that is written
-  std::vector<std::byte> index;  // as it lies in the file
+  std::vector<iovec> parts;      // parts of the current block
+  std::vector<std::byte> index;  // lines encoded as in the file
   std::uint32_t setups = 0;
   std::size_t events = 0, event_bytes = 0;
 };
@@ -277,7 +280,7 @@ void ClipWriter::note_missing(std::uint32_t camera_id, std::uint64_t frames) {
 
 void ClipWriter::finish() {
   const std::uint64_t place = file_->size;
-  file_->index.reserve(file_->index.size() + kClipIndexBytes);  // it stays where it is while it is written
+  file_->index.reserve(file_->index.size() + kClipIndexBytes);  // no reallocation while it is written
   file_->write_block(ClipBlock::kIndex, 0, 0, {file_->index}, {});
   const auto trailer = clip_trailer(place);
   file_->parts.clear();

@@ -26,10 +26,10 @@
 namespace sslv {
 namespace {
 
-/// Copies past the processor's caches where it is much: nobody reads the image here soon, and what cameras'
-/// threads work with shall stay in them. It also saves reading the place before it is written.
+/// Copies large data with non-temporal stores: the image is not read soon, and the caches keep the working
+/// data of the cameras' threads. This also saves reading the destination before it is written.
 void copy_past_caches(std::byte* to, const std::byte* from, std::size_t bytes) noexcept {
-#ifdef __SSE2__  // as every x86-64 has; elsewhere a plain copy does
+#ifdef __SSE2__  // on every x86-64 processor; other processors use memcpy
   constexpr std::size_t kLine = 64, kMuch = std::size_t{64} << 10U;
   if (bytes >= kMuch && reinterpret_cast<std::uintptr_t>(to) % kLine == 0) {
     for (; bytes >= kLine; bytes -= kLine, from += kLine, to += kLine) {
@@ -42,7 +42,7 @@ void copy_past_caches(std::byte* to, const std::byte* from, std::size_t bytes) n
       _mm_stream_si128(out + 2, c);
       _mm_stream_si128(out + 3, d);
     }
-    _mm_sfence();  // before others are told that the image is there
+    _mm_sfence();  // completes the stores before the frame is published
   }
 #endif
   std::memcpy(to, from, bytes);
@@ -52,7 +52,7 @@ void copy_past_caches(std::byte* to, const std::byte* from, std::size_t bytes) n
   throw std::system_error(problem, std::generic_category(), "memory for images");
 }
 
-/// A file without a name. Throws std::system_error.
+/// An anonymous file of fixed size. Throws std::system_error.
 OpenFile memory_file(std::uint64_t bytes) {
   OpenFile file(::memfd_create("last_seconds", MFD_CLOEXEC | MFD_ALLOW_SEALING));
   if (!file.is_open() || ::ftruncate(file.fd(), static_cast<off_t>(bytes)) != 0 ||
@@ -61,7 +61,7 @@ OpenFile memory_file(std::uint64_t bytes) {
   return file;
 }
 
-/// Gives back what part of the file has; it reads as zeros from then on.
+/// Frees the memory of this range, which then reads as zeros.
 void give_back(const OpenFile& file, std::uint64_t place, std::uint64_t bytes) {
   ::fallocate(file.fd(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, static_cast<off_t>(place),
               static_cast<off_t>(bytes));
@@ -72,7 +72,7 @@ constexpr std::size_t kHugePage = std::size_t{2} << 20U;
 #define MADV_COLLAPSE 25
 #endif
 
-/// The file, at a place where huge pages may be. Throws std::system_error.
+/// Maps the file, aligned for huge pages. Throws std::system_error.
 std::byte* map_memory(const OpenFile& file, std::size_t bytes) {
   const std::size_t room = bytes + kHugePage;
   void* const reserved = ::mmap(nullptr, room, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
@@ -120,9 +120,10 @@ void set_magic(RingHead& head, std::string_view magic) {
   magic.copy(head.magic.data(), head.magic.size());
 }
 
-/// How much room for blocks is in memory that a process left, which from now on was read. Throws ClipError.
+/// Returns the capacity for blocks of a crashed process's memory, and marks the memory as read. Throws
+/// RingWasRead or ClipError.
 std::size_t room_left_in(const OpenFile& file) {
-  // One that may shrink could be gone while it is read, which kills the reader.
+  // If the file could shrink, reading the mapping could raise SIGBUS.
   const int seals = ::fcntl(file.fd(), F_GET_SEALS);
   if (seals < 0 || (seals & F_SEAL_SHRINK) == 0) throw ClipError("it is no memory of last seconds");
   struct stat about {};
@@ -138,13 +139,13 @@ std::size_t room_left_in(const OpenFile& file) {
   ::munmap(page, kRingPage);
   if (magic.starts_with(kRingIsRead)) throw RingWasRead();
   if (!is_known) throw ClipError("it was left by another version, or ended well");
-  // What it says must be its size, so that sums of it stay small.
+  // The capacity must match the size of the file, so that offsets cannot overflow.
   if (room > size || room != ring_aligned(room) || ring_file_bytes(room) != size)
     throw ClipError("its size is not the one that it says");
   return static_cast<std::size_t>(room);
 }
 
-/// The frame of a slot; none where the slot or the block is damaged.
+/// The frame of a slot; nullopt if the slot or the block is damaged.
 std::optional<ClipFrame> frame_of_slot(std::span<const std::byte> blocks, const RingSlot& slot) {
   if (slot.begin > blocks.size() || slot.bytes > blocks.size() - slot.begin ||
       slot.bytes < kClipBlockBytes + kClipFrameBytes)
@@ -162,7 +163,7 @@ std::optional<ClipFrame> frame_of_slot(std::span<const std::byte> blocks, const 
   return out;
 }
 
-/// Calls copy(data, bytes) for the image's rows, one plane after the other, in as few pieces as it has.
+/// Calls copy(data, bytes) for the image's rows, plane by plane; once per plane if its rows have no gaps.
 template <class Copy>
 void each_stretch(const ImageView& image, const Copy& copy) {
   const std::size_t row_bytes = clip_plane_bytes(image.format, image.width, 1);
@@ -183,9 +184,9 @@ ImageRing::ImageRing(std::size_t bytes, const std::stop_token& stop)
     : file_(memory_file(ring_file_bytes(ring_aligned(bytes)))), room_(ring_aligned(bytes)) {
   const std::size_t size = ring_mapped_bytes(room_);
   mapped_ = map_memory(file_, size);
-  madvise(mapped_, size, MADV_HUGEPAGE);  // fewer pages to look up; it is no harm where there are none
+  madvise(mapped_, size, MADV_HUGEPAGE);  // fewer TLB misses; harmless where unsupported
   madvise(mapped_, size, MADV_DONTDUMP);
-  // In pieces: the kernel lets no other thread of this process get memory meanwhile.
+  // In chunks, because no other thread of this process can allocate memory during a call.
   for (std::size_t at = 0; at < size; at += kHugePage) {
     const std::size_t piece = std::min(kHugePage, size - at);
     const bool is_stopped = stop.stop_requested();
@@ -195,10 +196,10 @@ ImageRing::ImageRing(std::size_t bytes, const std::stop_token& stop)
         munmap(mapped_, size);
         refuse_memory(is_stopped ? ECANCELED : ENOMEM);
       }
-      std::memset(mapped_ + at, 0, piece);  // an older kernel
+      std::memset(mapped_ + at, 0, piece);  // for kernels without MADV_POPULATE_WRITE
     }
-    // Files in memory have small pages unless the whole computer is told otherwise; or one asks, since Linux
-    // 6.1. If there is no huge page, small ones do.
+    // Memory files have small pages unless the system is configured otherwise. Since Linux 6.1 MADV_COLLAPSE
+    // requests a huge page; if no huge page is available, small pages are enough.
     if (piece == kHugePage) madvise(mapped_ + at, piece, MADV_COLLAPSE);
   }
   make_head();
@@ -214,7 +215,7 @@ ImageRing::ImageRing(OpenFile left) : file_(std::move(left)), room_(room_left_in
 
 ImageRing::~ImageRing() {
   munmap(mapped_, ring_mapped_bytes(room_));
-  // Others may have it open still: they shall hold no memory, and find nothing.
+  // Another process may still have the file open, so free the memory with the frames explicitly.
   if (!is_put_back_) give_back(file_, 0, ring_file_bytes(room_));
 }
 
@@ -231,12 +232,13 @@ void ImageRing::make_head() noexcept {
   set_magic(made, kRingMagic);
 }
 
-/// The first and the last frame are sound then, and all that are not are empty; what was held is not.
+/// Marks damaged frames as empty and releases held frames. Afterwards the first and the last frame in [begin,
+/// end) are intact.
 void ImageRing::leave_out_damaged() noexcept {
   std::uint64_t begin = head().begin.load(std::memory_order_relaxed);
   std::uint64_t end = head().end.load(std::memory_order_relaxed);
   if (begin > end || end - begin > kRingSlots) begin = end = 0;
-  const auto is_sound = [this, now_ns = steady_ns()](std::uint64_t frame) {
+  const auto is_valid = [this, now_ns = steady_ns()](std::uint64_t frame) {
     const RingSlot& one = slot(frame);
     const std::uint64_t state = one.state.load(std::memory_order_relaxed);
     const std::int64_t arrived_ns = one.arrived_ns.load(std::memory_order_relaxed);
@@ -244,7 +246,7 @@ void ImageRing::leave_out_damaged() noexcept {
            arrived_ns <= now_ns && frame_of_slot({blocks(), room_}, one).has_value();
   };
   for (std::uint64_t frame = begin; frame != end; ++frame)
-    slot(frame).state.store(frame * 4 + (is_sound(frame) ? kRingKept : kRingEmpty),
+    slot(frame).state.store(frame * 4 + (is_valid(frame) ? kRingKept : kRingEmpty),
                             std::memory_order_relaxed);
   const auto is_empty = [this](std::uint64_t frame) {
     return slot(frame).state.load(std::memory_order_relaxed) == frame * 4 + kRingEmpty;
@@ -258,7 +260,7 @@ void ImageRing::leave_out_damaged() noexcept {
 ImageRing::Extent ImageRing::extent() const noexcept {
   Extent out;
   out.dropped = head().dropped.load(std::memory_order_relaxed);
-  // The oldest may go while it is looked at: then the next one is the oldest.
+  // Read again if the oldest frame was removed meanwhile.
   for (;;) {
     const std::uint64_t begin = head().begin.load(std::memory_order_acquire);
     const std::uint64_t end = head().end.load(std::memory_order_acquire);
@@ -272,8 +274,9 @@ ImageRing::Extent ImageRing::extent() const noexcept {
   }
 }
 
-/// Lets the oldest frames go that lie there, and, when the next one begins again `from_the_start`, those
-/// behind the last one. False when the keeper holds one of them.
+/// Makes space for a block at these bytes: removes the oldest frames that overlap them, that lie after at_ if
+/// the ring wraps (`from_the_start`), or that occupy a slot which is needed. False if the keeper holds such a
+/// frame.
 bool ImageRing::make_room(std::size_t begin, std::size_t bytes, bool from_the_start) noexcept {
   for (std::uint64_t oldest = head().begin.load(std::memory_order_relaxed);
        oldest != head().end.load(std::memory_order_relaxed); ++oldest) {
@@ -310,7 +313,7 @@ bool ImageRing::put(const ClipFrame& frame) noexcept {
                                                 .camera_id = frame.info.camera_id,
                                                 .bytes = payload_bytes,
                                                 .time_ns = clip_ns(frame.info.times.t_capture_s)});
-  // The image begins with a line of the cache, so that it can be copied past that.
+  // Aligns the image to a cache line for copy_past_caches().
   const std::size_t small = block_head.size() + payload_bytes - image_bytes;
   const std::size_t bytes = ring_aligned(small) + ring_aligned(image_bytes);
   const bool from_the_start = at_ + bytes > room_;
@@ -351,10 +354,10 @@ void ImageRing::hold(std::int64_t from_ns, std::int64_t to_ns) {
        frame < end; ++frame) {
     RingSlot& one = slot(frame);
     std::uint64_t kept = frame * 4 + kRingKept;
-    if (one.state.load(std::memory_order_acquire) != kept) continue;  // it has gone meanwhile
+    if (one.state.load(std::memory_order_acquire) != kept) continue;  // overwritten meanwhile
     const std::int64_t arrived_ns = one.arrived_ns.load(std::memory_order_relaxed);
     if (arrived_ns > to_ns) break;
-    // When the slot went on to another frame since, this does not succeed.
+    // Fails if the slot was reused for another frame meanwhile.
     if (arrived_ns >= from_ns &&
         one.state.compare_exchange_strong(kept, frame * 4 + kRingHeld, std::memory_order_acq_rel))
       held_.push_back(frame);
@@ -386,7 +389,7 @@ void ImageRing::let_go() {
 
 void ImageRing::let_all_go() {
   while (!held_.empty()) let_go();
-  next_to_hold_ = 0;  // another clip may want the same frames again
+  next_to_hold_ = 0;  // another clip may hold the same frames again
 }
 
 void ImageRing::put_setup(std::uint32_t number, const ClipSetup& setup) {

@@ -14,74 +14,75 @@
 
 namespace sslv {
 
-/// The memory was read before, by a process that did not come to its end.
+/// The memory was read before, by a process that crashed meanwhile.
 struct RingWasRead : ClipError {
   RingWasRead() : ClipError("a service that read it crashed") {}
 };
 
-/// The newest frames of one camera, in memory of a size that never changes, each as the block that a clip has
-/// of it. The camera's thread puts them in, which copies the image once, allocates nothing and waits for
-/// nobody; the oldest make room. One other thread, the keeper, may hold frames back until it has written them
-/// to a file.
+/// Ring buffer of fixed size with the newest frames of one camera, each encoded as a clip block. The camera's
+/// thread adds frames: adding copies the image once, allocates nothing, never blocks, and overwrites the
+/// oldest frames. One other thread, the keeper, may hold frames until it has written them to a file; held
+/// frames are not overwritten.
 ///
-/// The memory is a file without a name: another process that has it open too finds the frames there when this
-/// one has crashed. It is empty from the destructor on.
+/// The memory is an anonymous file: after a crash, another process that has the file open still finds the
+/// frames. The destructor empties the file.
 class ImageRing {
  public:
-  /// Takes the memory and touches all of it, so that the camera's thread is given none by the system later:
-  /// that takes .5 s for each GB. Throws std::system_error when there is none, or it is told to stop.
+  /// Allocates and populates all memory (.5 s per GB), so that the camera's thread causes no page faults
+  /// later. Throws std::system_error if there is not enough memory, or if `stop` is requested.
   explicit ImageRing(std::size_t bytes, const std::stop_token& stop = {});
-  /// What a process left in its memory when it crashed, for a keeper: no camera puts frames there any more.
-  /// Any of it may be damaged; what is not as it must be is left out. Each memory can be taken once, so that
-  /// one whose reading crashes the service does not do so again. Throws RingWasRead, and ClipError for what
-  /// is no such memory, was left by another version or ended well.
+  /// Opens the memory of a crashed process, for a keeper; no camera adds frames to it. Any part may be
+  /// damaged; damaged parts are left out. Memory can be opened only once: if reading it crashes the service,
+  /// the next run does not read it again. Throws RingWasRead, and ClipError if `left` is not such memory, if
+  /// another version wrote it, or if its process ended normally.
   explicit ImageRing(OpenFile left);
   ~ImageRing();
   ImageRing(const ImageRing&) = delete;
   ImageRing& operator=(const ImageRing&) = delete;
 
-  /// Of memory that a process left: another may take all of it again. Its destructor empties nothing then.
+  /// For a crashed process's memory: allows it to be opened once more, with all frames. The destructor then
+  /// does not empty the memory.
   void put_back() noexcept;
   bool is_put_back() const { return is_put_back_; }
 
-  /// For blocks.
+  /// Capacity for blocks.
   std::size_t bytes() const { return room_; }
-  /// The memory as a file.
+  /// Descriptor of the memory.
   int fd() const { return file_.fd(); }
 
-  /// What all frames of the ring tell together.
+  /// Summary of the frames in the ring.
   struct Extent {
     std::uint64_t frames = 0;
-    std::int64_t oldest_ns = 0, newest_ns = 0;  // when they arrived, on the steady clock; 0: there is none
-    std::uint32_t oldest_setup = 0;             // no frame of the ring has an earlier one
-    std::uint64_t dropped = 0;  // since the ring was made, because the keeper held all that could have gone
+    std::int64_t oldest_ns = 0, newest_ns = 0;  // arrival on the steady clock; 0: no frames
+    std::uint32_t oldest_setup = 0;             // lower bound of the setup numbers in the ring
+    std::uint64_t dropped = 0;                  // frames that put() rejected since the ring was created
   };
-  /// From any thread.
+  /// Callable from any thread.
   Extent extent() const noexcept;
 
-  /// For the camera's thread. False when there is no room for it because the keeper holds so much, because it
-  /// is larger than the ring, or because a clip cannot hold it.
+  /// For the camera's thread. False if the frame was dropped: the keeper holds the space, the frame is larger
+  /// than the ring, or a clip cannot hold the frame.
   bool put(const ClipFrame& frame) noexcept;
 
-  // For the keeper.
+  // The following functions are for the keeper.
 
-  /// The frames that arrived in this time (steady clock) are not overwritten until they are let go. Those
-  /// that are held already stay so. May be called again for those that come later.
+  /// Holds the frames that arrived in this time (steady clock): they are not overwritten until released.
+  /// Frames that are already held remain held. Call hold() again for later frames.
   void hold(std::int64_t from_ns, std::int64_t to_ns);
-  /// Of the blocks of all that are held.
+  /// Bytes of the blocks of all held frames.
   std::uint64_t held_bytes() const;
-  /// The oldest of them, until the next call of let_go(); null: there is none. arrived_ns is set.
+  /// The oldest held frame, with arrived_ns; null: none. Valid until the next call of let_go().
   const ClipFrame* oldest_held();
   void let_go();
   void let_all_go();
 
-  /// What frames with this setup number were processed with, as a setup's payload (clip_format.h); empty: it
-  /// is not there whole. From any thread.
+  /// The setup with this number, as a payload (clip_format.h); empty if the setup is missing or damaged.
+  /// Callable from any thread.
   std::vector<std::byte> setup(std::uint32_t number) const;
 
-  // For any thread but the camera's, one at a time.
+  // The following functions are for any thread but the camera's, one thread at a time.
 
-  /// Throws ClipError for one that a clip cannot hold, and where there is no memory.
+  /// Throws ClipError if a clip cannot hold the setup, or if there is no memory.
   void put_setup(std::uint32_t number, const ClipSetup& setup);
   void forget_setups_before(std::uint32_t number);
 
@@ -100,13 +101,13 @@ class ImageRing {
   const std::size_t room_;
   std::byte* mapped_ = nullptr;
   bool is_put_back_ = false;
-  std::size_t at_ = 0;  // where the next frame would begin; the camera's thread's
+  std::size_t at_ = 0;  // offset of the next frame; used by the camera's thread
 
-  std::deque<std::uint64_t> held_;  // the keeper's, as is the rest
+  std::deque<std::uint64_t> held_;  // like the next two members, used by the keeper
   std::uint64_t next_to_hold_ = 0;
   ClipFrame oldest_;
 
-  std::deque<std::uint32_t> setups_;  // that are there
+  std::deque<std::uint32_t> setups_;  // numbers of the stored setups
 };
 
 }  // namespace sslv

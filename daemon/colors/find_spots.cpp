@@ -7,10 +7,10 @@
 namespace sslv {
 namespace {
 
-/// Squares that stand for a disc and a ring around it, by the disc's radius.
+/// Half sides of the squares that approximate a disc and the ring around it, in radii of the disc.
 constexpr double kCore = 0.62, kRingFrom = 1.25, kRingTo = 1.75;
 constexpr double kMinDeviations = 4, kMinGrey = 1.5;
-/// Cells are so small that a spot's radius has this many.
+/// Minimum number of cells per radius; cell sizes are rounded down.
 constexpr double kCellsPerRadius = 2.4;
 
 }  // namespace
@@ -33,7 +33,7 @@ std::vector<Spot> find_spots(const SmallPicture& picture, double radius_px, doub
 
   const double core_px = (2 * core + 1) * picture.cell_px();
   const double least = kMinGrey + kMinDeviations * noise_grey * std::sqrt(3.0) / core_px;
-  // What noise makes of a dark ring must not look like much contrast.
+  // Keeps noise in a dark ring from looking like high contrast.
   const double floor_grey = 4 + noise_grey;
   std::vector<float> contrast(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   const auto at = [&](int x, int y) {
@@ -59,7 +59,7 @@ std::vector<Spot> find_spots(const SmallPicture& picture, double radius_px, doub
       for (int ny = y - apart; highest && ny <= y + apart; ++ny) {
         for (int nx = x - apart; nx <= x + apart; ++nx) {
           const float other = contrast[at(nx, ny)];
-          // Of equal ones the first counts.
+          // If values are equal, the first one counts as the highest.
           if (other > here || (other == here && (ny < y || (ny == y && nx < x)))) {
             highest = false;
             break;

@@ -8,25 +8,25 @@
 
 namespace sslv {
 
-/// A place that differs from what lies around it, as large as was asked for.
+/// A spot of about the requested size that differs from its surroundings.
 struct Spot {
   Eigen::Vector2d pixel;
-  Color3 color, around;  // of its middle, and of a ring about it
-  double contrast;       // length of their difference, as a share of what is around: the same in any light
+  Color3 color, around;  // colour of the spot's middle; colour of a ring around it
+  double contrast;       // length of color - around, relative to `around`; independent of the light
 };
 
 enum class SpotsOf {
-  kBrighter,  // than what lies around: dots on black
+  kBrighter,  // brighter than the surroundings: dots on black
   kAnyColor,  // balls on a carpet
 };
 
-/// The image's spots of some radius, those of most contrast first, `most` of them at most. `noise_grey` is
-/// that of one pixel.
+/// Spots of the given radius, highest contrast first, at most `most`. `noise_grey`: noise of one pixel in
+/// grey levels.
 std::vector<Spot> find_spots(const SmallPicture& picture, double radius_px, double noise_grey, SpotsOf kind,
                              std::size_t most);
 
-/// The cell size for spots of a radius: small enough for them, no smaller, so that large images take no
-/// longer than small ones.
+/// Cell size in px for spots of a radius: as coarse as the radius allows, so that large images take no longer
+/// than small images.
 int cell_px_for(PixelFormat format, double radius_px);
 
 }  // namespace sslv

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "colors/learn_background.h"
 
+#include "base/statistics.h"
 #include "colors/find_spots.h"
 #include "colors/name_dots.h"
 
@@ -12,7 +13,6 @@
 namespace sslv {
 namespace {
 
-constexpr double kCarpetAlike = 0.07;  // in shares
 constexpr std::size_t kCarpetSamples = 12, kLineSamples = 9;
 
 ColorSample sample_of(Label label, const Color3& color) {
@@ -20,12 +20,6 @@ ColorSample sample_of(Label label, const Color3& color) {
     return static_cast<std::uint8_t>(std::clamp(value + 0.5, 0.0, 255.0));
   };
   return {label, {byte(color[0]), byte(color[1]), byte(color[2])}};
-}
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 bool is_at_robot(std::span<const SeenRobot> robots, std::size_t frame, const Eigen::Vector2d& pixel) {
@@ -36,7 +30,7 @@ bool is_at_robot(std::span<const SeenRobot> robots, std::size_t frame, const Eig
   });
 }
 
-/// So many of the colours, evenly over their range of brightness.
+/// Selects `count` of the colours, evenly spaced over the logarithm of their brightness.
 std::vector<Color3> over_brightness(std::vector<Color3> colors, std::size_t count) {
   std::sort(colors.begin(), colors.end(), [](const Color3& a, const Color3& b) { return a.sum() < b.sum(); });
   std::vector<Color3> out;
@@ -47,7 +41,7 @@ std::vector<Color3> over_brightness(std::vector<Color3> colors, std::size_t coun
     const double sum = low * std::pow(high / low, static_cast<double>(i) / static_cast<double>(count - 1));
     const auto at = std::lower_bound(colors.begin(), colors.end(), sum,
                                      [](const Color3& color, double value) { return color.sum() < value; });
-    // The mean of some neighbours has less noise.
+    // Average some neighbours to reduce noise.
     const auto middle = std::clamp(static_cast<std::size_t>(at - colors.begin()), first, last);
     const std::size_t reach = std::min(n / 100, std::min(middle - first, last - middle));
     Color3 mean = Color3::Zero();
@@ -85,7 +79,7 @@ std::optional<Color3> carpet_chromaticity(const RobotSearch& search, std::span<c
   for (int c = 0; c < 3; ++c) {
     std::vector<double> values;
     for (const Color3& color : colors) values.push_back(color[c]);
-    out[c] = median(values);
+    out[c] = median(std::move(values));
   }
   const auto alike = std::count_if(colors.begin(), colors.end(),
                                    [&](const Color3& color) { return (color - out).norm() < kCarpetAlike; });
@@ -106,8 +100,8 @@ CarpetAndLines carpet_and_lines(const RobotSearch& search, std::span<const SeenR
         if ((chromaticity_of(around) - chromaticity).norm() < kCarpetAlike) carpet.push_back(around);
       }
     }
-    // A line's middle is brighter than the carpet on both its sides, in every colour.
-    constexpr int kSide = 12, kNearSide = 5, kEvery = 5;  // lines may be wide
+    // A line's middle is brighter than the carpet on both its sides, in every channel.
+    constexpr int kSide = 12, kNearSide = 5, kEvery = 5;  // two distances, because lines may be wide
     constexpr double kBrighter = 1.35, kBrighterGrey = 10;
     for (int y = kSide + 1; y + kSide + 1 < picture.height(); ++y) {
       for (int x = kSide + 1 + (y * 7) % kEvery; x + kSide + 1 < picture.width(); x += kEvery) {
@@ -132,7 +126,7 @@ CarpetAndLines carpet_and_lines(const RobotSearch& search, std::span<const SeenR
   for (const Color3& color : over_brightness(carpet, kCarpetSamples))
     out.samples.push_back(sample_of(label::kField, color));
 
-  // What lies beside the carpet is a blend with it; the farthest from the carpet's colour are white.
+  // The edge of a line is a blend with the carpet. Pixels farthest from the carpet's colour are white.
   const Color3 expected = chromaticity_of(gains);
   out.white_chromaticity = expected;
   const auto towards_white = [&](const Color3& color) {
@@ -153,7 +147,7 @@ CarpetAndLines carpet_and_lines(const RobotSearch& search, std::span<const SeenR
   for (int c = 0; c < 3; ++c) {
     std::vector<double> values;
     for (const Color3& color : lines) values.push_back(chromaticity_of(color)[c]);
-    out.white_chromaticity[c] = median(values);
+    out.white_chromaticity[c] = median(std::move(values));
   }
   out.white_chromaticity /= out.white_chromaticity.sum();
   return out;

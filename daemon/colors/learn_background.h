@@ -12,14 +12,14 @@
 
 namespace sslv {
 
-/// What robots stand on: shares of red, green and blue. Nothing when they do not stand on one thing.
+/// Chromaticity of the surface that robots stand on. Returns nothing if the robots stand on different
+/// surfaces, or if too little of the surface is visible.
 std::optional<Color3> carpet_chromaticity(const RobotSearch& search, std::span<const SeenRobot> robots);
 
-/// Samples of the carpet in all its lights, and of the lines on it.
+/// Samples of the carpet over its whole range of brightness, and of the lines on it.
 struct CarpetAndLines {
   std::vector<ColorSample> samples;
-  Color3
-      white_chromaticity;  // what is white has these shares: of the lines or, without any, as the gains say
+  Color3 white_chromaticity;  // chromaticity of the lines; without lines, derived from the gains
 };
 CarpetAndLines carpet_and_lines(const RobotSearch& search, std::span<const SeenRobot> robots,
                                 const Color3& carpet_chromaticity, const Color3& gains);

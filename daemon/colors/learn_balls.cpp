@@ -11,26 +11,26 @@
 namespace sslv {
 namespace {
 
-constexpr std::size_t kMaxSpots = 600;
-constexpr double kBlurPx = 0.55;
-// Of red, green and blue in a ball's colour. By print orange has .64, .29, .07, but balls shine, and cameras
-// see them paler.
+constexpr std::size_t kMaxBallSpots = 600;
+// Limits on a ball's chromaticity. Printed orange has .64 red, .29 green and .07 blue, but balls have
+// highlights, and cameras see them paler.
 constexpr double kMinRed = 0.38, kMaxBlue = 0.27, kMinGreenPerRed = 0.15;
 constexpr double kMaxGreenPerRed = 0.75, kOfYellows = 0.9;
-// Where red is clipped there is more of it than that, as in a ball under a lamp.
+// A clipped red channel, for example of a ball under a lamp, was brighter in reality, so more green per red
+// is allowed.
 constexpr double kClippedRed = 250, kMaxGreenPerClippedRed = 0.9;
-constexpr double kCarpetAlike = 0.1;  // in shares
-/// How far a worn or shining place of the carpet may be from its colour towards white.
+constexpr double kWornCarpetAlike = 0.1;  // distance of chromaticities
+/// Largest shift of worn or shiny carpet from its chromaticity (0) towards white (1).
 constexpr double kMaxWorn = 0.8;
-constexpr double kMinR2 = 0.6, kMaxRadiusOff = 0.25, kMinClear = 0.4, kMinVisible = 0.9;
-/// Of an outline's harmonics, over 3.5 % of the radius and their deviation: cones and hands have more, balls
-/// in hard halls up to 1.9.
+constexpr double kMinBallR2 = 0.6, kMaxRadiusOff = 0.25, kMinClear = 0.4, kMinVisible = 0.9;
+/// Largest ratio of an outline's harmonics to 3.5 % of the radius combined with their standard deviation.
+/// Cones and hands have more; balls in difficult halls have up to 1.9.
 constexpr double kMaxOutOfRound = 2, kRoundShare = 0.035;
-/// BallFitter::rectangle_gain(): balls have less than nothing, tape has more.
+/// Upper limit of BallFitter::rectangle_gain(), which is negative for balls and larger for tape.
 constexpr double kMaxLikeTape = -0.05;
-constexpr double kOneColor = 0.06;     // in shares
-constexpr double kOutsideMm = 0;       // of the lines
-constexpr double kRobotReachMm = 100;  // nothing nearer to a robot's middle is a ball
+constexpr double kOneColor = 0.06;      // distance of chromaticities
+constexpr double kOutsideMm = 0;        // maximum distance outside the lines
+constexpr double kRobotRadiusMm = 100;  // objects nearer to a robot's centre are not balls
 
 bool is_warm(const Color3& color, double max_green_per_red) {
   const Color3 s = chromaticity_of(color);
@@ -38,19 +38,20 @@ bool is_warm(const Color3& color, double max_green_per_red) {
          s[1] < max_green_per_red * s[0];
 }
 
-/// How far from grey, towards orange.
+/// Distance from grey towards orange.
 double depth_of(const Color3& color) {
   return (color[0] - color[2]) / std::max(1.0, color.sum());
 }
 
-/// Whether something lies on the carpet, which may be so worn, shine or have a line there. All in shares.
+/// Whether the surroundings are carpet, which may be worn, shiny or crossed by a line: wear, shine and lines
+/// shift its colour towards white by up to `max_worn`. All colours are chromaticities.
 bool is_carpet(const Color3& around, const Color3& carpet, const Color3& white, double max_worn) {
   const Color3 to_white = white - carpet;
   const double worn = (around - carpet).dot(to_white) / std::max(1e-6, to_white.squaredNorm());
-  return (around - carpet - std::clamp(worn, 0.0, max_worn) * to_white).norm() < kCarpetAlike;
+  return (around - carpet - std::clamp(worn, 0.0, max_worn) * to_white).norm() < kWornCarpetAlike;
 }
 
-/// The colours of what lies well within a ball, those with most colour first.
+/// Colours well inside a ball, highest depth_of() first.
 std::vector<Color3> colors_within(const SmallPicture& picture, const Eigen::Vector2d& pixel,
                                   double radius_px) {
   const Eigen::Vector2d middle = picture.cell_of(pixel);
@@ -73,12 +74,12 @@ Color3 mean_of(std::span<const Color3> colors) {
   return sum / std::max(1.0, static_cast<double>(colors.size()));
 }
 
-/// A ball's colour beside its shine: of the half of it that has most colour.
+/// A ball's colour outside its highlight: the mean of the half with the highest depth_of().
 Color3 body_of(std::span<const Color3> within) {
   return mean_of(within.first((within.size() + 1) / 2));
 }
 
-/// The best fit from some starts: a spot's place is good to a cell only.
+/// Best fit from several starts, because a spot's position is only accurate to a cell.
 BallFit best_fit(BallFitter& fitter, const BallFitter::Frame& frame, const Eigen::Vector2d& place_mm,
                  double cell_mm) {
   BallFit best;
@@ -100,7 +101,7 @@ std::vector<SeenBall> find_balls(const BallSearch& b) {
   const auto in_white_light = [&](const Color3& color) {
     return Color3(color.cwiseQuotient(b.white_chromaticity));
   };
-  // As the camera sees it or as it would be in white light: what is known of it is not exact.
+  // Tests the colour as seen and as corrected to white light, because the white chromaticity is not exact.
   const auto is_ball_colored = [&](const Color3& color) {
     const double most = color[0] < kClippedRed ? kMaxGreenPerRed : kMaxGreenPerClippedRed;
     const auto limit = [&](const Color3& yellow) {
@@ -125,21 +126,25 @@ std::vector<SeenBall> find_balls(const BallSearch& b) {
       robots.push_back({Team::kYellow, 0, robot.pose.x_mm, robot.pose.y_mm, robot.pose.angle_rad,
                         robot.height_mm, robot.pixel_x, robot.pixel_y, 1});
     }
-    const BallFitter::Frame to_fit{
-        image,  b.camera, radius_mm, robots, b.search.patterns.top_radius_mm, b.search.patterns.top_front_mm,
-        kBlurPx};
+    const BallFitter::Frame to_fit{image,
+                                   b.camera,
+                                   radius_mm,
+                                   robots,
+                                   b.search.patterns.top_radius_mm,
+                                   b.search.patterns.top_front_mm,
+                                   kUsualBlurPx};
     for (const Spot& spot :
-         find_spots(picture, radius_px, b.search.noise_grey[frame], SpotsOf::kAnyColor, kMaxSpots)) {
+         find_spots(picture, radius_px, b.search.noise_grey[frame], SpotsOf::kAnyColor, kMaxBallSpots)) {
       if (b.search.stop.stop_requested()) return out;
       if (!is_ball_colored(body_of(colors_within(fine, spot.pixel, radius_px)))) continue;
-      // Beside the field grey is a floor.
+      // Off the field, grey may be a floor instead of worn carpet.
       if (!is_carpet(chromaticity_of(spot.around), b.carpet_chromaticity, b.white_chromaticity,
                      b.on_field_only ? kMaxWorn : 0))
         continue;
       const bool on_robot = std::any_of(b.robots.begin(), b.robots.end(), [&](const SeenRobot& robot) {
         return robot.frame == frame &&
                std::hypot(robot.pixel_x - spot.pixel.x(), robot.pixel_y - spot.pixel.y()) <
-                   kRobotReachMm * robot.px_per_mm;
+                   kRobotRadiusMm * robot.px_per_mm;
       });
       if (on_robot) continue;
       const auto place = b.camera.unproject(spot.pixel, radius_mm);
@@ -148,7 +153,7 @@ std::vector<SeenBall> find_balls(const BallSearch& b) {
                               std::abs(place->y()) > b.field.field_width / 2.0 + kOutsideMm))
         continue;
       const BallFit fit = best_fit(fitter, to_fit, *place, picture.cell_px() * std::sqrt(area));
-      if (!fit.ok || fit.r2 < kMinR2 || fit.clear_share < kMinClear || fit.visible_share < kMinVisible)
+      if (!fit.ok || fit.r2 < kMinBallR2 || fit.clear_share < kMinClear || fit.visible_share < kMinVisible)
         continue;
       if (std::abs(fit.radius_mm - radius_mm) > std::max(kMaxRadiusOff * radius_mm, 2 * fit.radius_sigma_mm))
         continue;
@@ -174,7 +179,7 @@ std::vector<SeenBall> find_balls(const BallSearch& b) {
     }
   }
   if (out.empty()) return out;
-  // A ball may be two spots.
+  // One ball may cause two spots.
   std::sort(out.begin(), out.end(),
             [](const SeenBall& one, const SeenBall& other) { return one.r2 > other.r2; });
   std::vector<SeenBall> kept;
@@ -185,8 +190,8 @@ std::vector<SeenBall> find_balls(const BallSearch& b) {
     });
     if (!is_duplicate) kept.push_back(ball);
   }
-  // Brown, beige and skin are paler than a ball's orange; what is deeper is no more of a ball, and red has
-  // less green between its red and its blue.
+  // Brown, beige and skin are paler than a ball's orange. Depth beyond kDeep does not count. Red objects are
+  // less likely to be balls: their green is closer to their blue.
   const auto likely = [&](const SeenBall& ball) {
     constexpr double kDeep = 0.4, kMinGreen = 0.2;
     const Color3 white = in_white_light(ball.body);

@@ -9,30 +9,30 @@
 
 namespace sslv {
 
-/// A ball that the image shows.
+/// A ball found in an image.
 struct SeenBall {
   std::size_t frame;
   double pixel_x, pixel_y, radius_px;
-  Color3 body;                 // its colour beside its shine
-  std::vector<Color3> shades;  // its colours from there to its shine
+  Color3 body;                 // the ball's colour outside the highlight
+  std::vector<Color3> shades;  // the ball's colours from `body` to the highlight
   double r2;
 };
 
-/// What balls are looked for by.
+/// Input of find_balls().
 struct BallSearch {
   const RobotSearch& search;
   const CameraModel& camera;
   const FieldSize& field;
-  bool on_field_only;                       // the camera tells what lies on the field
-  std::span<const SeenRobot> robots;        // that may hide one; nothing on them is a ball
-  Color3 white_chromaticity;                // what is white has these
-  Color3 carpet_chromaticity;               // what a ball lies on
-  std::optional<Color3> yellow;             // a ball is redder
-  std::optional<Color3> ball_chromaticity;  // as people pointed at it
+  bool on_field_only;                       // needs a real calibration
+  std::span<const SeenRobot> robots;        // robots may hide a ball; objects on robots are not balls
+  Color3 white_chromaticity;                // chromaticity of white surfaces
+  Color3 carpet_chromaticity;               // chromaticity of the surface under a ball
+  std::optional<Color3> yellow;             // contrast of yellow dots; a ball is redder
+  std::optional<Color3> ball_chromaticity;  // from samples that the user pointed at
 };
 
-/// Balls: round, of the ball's size, on carpet, on the field, and of one warm colour, redder than yellow. Of
-/// several colours the likeliest counts.
+/// Finds balls: round, of the ball's size, on carpet, on the field, and of one warm colour, redder than
+/// yellow. If the balls found have several colours, only balls of the likeliest colour are returned.
 std::vector<SeenBall> find_balls(const BallSearch& search);
 
 }  // namespace sslv

@@ -21,11 +21,11 @@
 namespace sslv {
 namespace {
 
-/// Sightings of robots that will do; fewer when each is beyond doubt.
+/// Number of robots needed. Fewer robots, but at least two, are enough if all their fits are beyond doubt.
 constexpr std::size_t kEnoughRobots = 5;
 constexpr double kClearR2 = 0.7, kClearRmsMm = 1.5;
 constexpr double kMaxClippedShare = 0.35, kMinBright = 15, kMinColorfulness = 3;
-/// Of the dots that taught a table, so many must get their label from it.
+/// Share of the learnt dots that the table must name correctly.
 constexpr double kMinNamed = 0.9;
 constexpr const char* kNeeded =
     "put at least five robots (both teams, and a ball) on the field, in the light of the match";
@@ -44,12 +44,12 @@ bool is_background(Label label) {
   return label == label::kClear || label == label::kField || label == label::kWhite || label == label::kBlack;
 }
 
-/// Contrast of a label's print to black, in the light that the gains are of.
+/// Contrast of a label's print to black under these gains of the light.
 Color3 print_contrast(Label label, const Color3& gains) {
   return (print_color(label) - print_color(label::kBlack)).cwiseProduct(gains);
 }
 
-/// How bright each robot is lit, and how its dots look in that light.
+/// Brightness of the light on each robot, and contrast of the dots in it.
 class RobotLights {
  public:
   struct LitDot {
@@ -71,10 +71,10 @@ class RobotLights {
     lights_.push_back(light);
   }
 
-  /// Of each robot: its dots' contrast, over that of prints in white light.
+  /// For each robot: the median of its dots' contrasts, relative to the contrasts of prints.
   const std::vector<double>& lights() const { return lights_; }
   const std::map<Label, std::vector<LitDot>>& dots() const { return dots_; }
-  /// Of a label's dots; nothing when it has none.
+  /// Sum of the contrasts of a label's dots, each divided by its light; nothing without dots.
   std::optional<Color3> summed_contrast(Label label) const {
     const auto lit = dots_.find(label);
     if (lit == dots_.end()) return {};
@@ -111,10 +111,10 @@ class Learner {
     std::vector<SmallPictures> pictures;
     std::vector<double> noise_grey;
   };
-  /// Which labels the images show.
+  /// The labels that the images show.
   struct Sightings {
     std::map<Label, std::size_t> counts;
-    std::vector<Label> unseen;  // are predicted
+    std::vector<Label> unseen;  // to be predicted
   };
 
   void look_at_pictures() {
@@ -253,7 +253,8 @@ class Learner {
     }
   }
 
-  /// What was not seen at all, and what was not seen in all the light there is.
+  /// Adds samples for labels that were not seen, and for seen labels in light levels in which they were not
+  /// seen.
   void predict() {
     if (balls_.empty()) {
       sightings_.unseen.push_back(label::kOrange);
@@ -267,8 +268,8 @@ class Learner {
       out_.samples.push_back(sample);
       std::erase(sightings_.unseen, sample.label);
     }
-    // Before what was seen, a prediction gives way.
-    constexpr double kTooAlike = 0.1;  // in shares
+    // A prediction that looks like a colour that was seen is dropped.
+    constexpr double kTooAlike = 0.1;  // distance of chromaticities
     std::erase_if(sightings_.unseen, [&](Label label) {
       Color3 predicted = Color3::Zero();
       for (std::size_t i = 0; i < robots_.size(); ++i)
@@ -300,7 +301,7 @@ class Learner {
       out_.notes.push_back(
           fmt::format("not seen, and predicted from the other colours: {}", fmt::join(names, ", ")));
 
-    // Each colour in the least and in the most light that any robot was seen in.
+    // Predicts each colour in the darkest and in the brightest light on any robot.
     const std::vector<double>& lights = lights_.lights();
     if (lights.empty()) return;
     const auto [least, most] = std::minmax_element(lights.begin(), lights.end());
@@ -322,8 +323,8 @@ class Learner {
   }
 
   void make_table() {
-    // What a table allows for as noise is also how much colours may differ: where detectors could not be sure
-    // of the dots that it was learnt from, it is too narrow.
+    // The noise that a table allows for is also the allowed difference between colours. If detectors were not
+    // sure of the dots from which the table was learnt, the table is too narrow.
     constexpr double kMinNoiseGrey = 6, kWider = 1.6;
     constexpr int kWidths = 3;
     std::size_t best = 0;
@@ -353,7 +354,8 @@ class Learner {
     }
   }
 
-  /// Of dots in their contrast to black, of balls as they are: so detectors compare them.
+  /// Print colours of the labels, computed as detectors compare them: from the contrast to black for dots,
+  /// from the colour for balls.
   Prints prints_of_samples() const {
     std::map<Label, std::vector<Color3>> chromaticities;
     for (const auto& [label, lit] : lights_.dots()) {
@@ -371,9 +373,9 @@ class Learner {
       for (const Color3& one : all) mean += one / static_cast<double>(all.size());
       double square = 0;
       for (const Color3& one : all) square += (one - mean).squaredNorm() / static_cast<double>(all.size());
-      // Robots of other makers are not among those that taught. Where none taught, those to come differ from
-      // the usual maker's as much again.
-      const double other_makers = label == label::kOrange ? 0.15 : 0.09;  // balls shine and are shaded
+      // Robots of other makers may be missing among the robots learnt from. A label that was not seen at all
+      // may also differ from the usual print by the same amount.
+      const double other_makers = label == label::kOrange ? 0.15 : 0.09;  // balls have highlights and shade
       const bool is_seen =
           std::find(sightings_.unseen.begin(), sightings_.unseen.end(), label) == sightings_.unseen.end();
       const double unknown = is_seen ? other_makers : std::numbers::sqrt2 * other_makers;
@@ -418,7 +420,7 @@ class Learner {
     });
   }
   std::size_t dot_count() const { return robots_.size() * (task_.patterns.dots.size() + 1); }
-  /// How many of the dots a table names for sure.
+  /// Number of dots that the table names with certainty.
   std::size_t count_named(const Lut& lut) const {
     constexpr double kMinMargin = 0.4, kMaxOff = 1.3;
     std::size_t count = 0;
@@ -435,7 +437,7 @@ class Learner {
     return count;
   }
 
-  /// What was used, for people.
+  /// Adds the robots, balls and samples that were used to the report.
   void describe() {
     for (std::size_t i = 0; i < robots_.size() && i < dots_.labels.size(); ++i) {
       const SeenRobot& seen = robots_[i];

@@ -12,14 +12,13 @@
 namespace sslv {
 namespace {
 
-constexpr std::size_t kMaxSpots = 1500;
-constexpr double kBlurPx = 0.55;
+constexpr std::size_t kMaxDotSpots = 1500;
 constexpr int kMaxPasses = 4;
-// What a pattern must be like to teach.
-constexpr double kMaxRmsMm = 2.5, kMinR2 = 0.45;
-/// How far the tops of one robot may differ below its dots, as a share of its dots' contrast.
+// Quality that a pattern needs to be learnt from.
+constexpr double kMaxPatternRmsMm = 2.5, kMinPatternR2 = 0.45;
+/// Largest difference of the black around a robot's dots, as a share of the dots' contrast.
 constexpr double kMaxUnevenBlack = 0.45;
-/// Robots do not stand closer.
+/// Smallest distance between robots.
 constexpr double kApartMm = 120;
 
 const Lut& no_colors() {
@@ -31,10 +30,11 @@ double quality(const SeenRobot& robot) {
   return robot.mean_r2 - 0.2 * robot.rms_mm;
 }
 
-/// Whether all dots are there, and what is between them is one black.
+/// The robot of a fit, if all dots are present on one common black.
 std::optional<SeenRobot> whole(const PatternFit& fit, const PatternTable& patterns) {
   const std::size_t sides = patterns.dots.size();
-  if (fit.seen != static_cast<int>(sides) + 1 || fit.rms_mm > kMaxRmsMm || fit.min_r2 < kMinR2) return {};
+  if (fit.seen != static_cast<int>(sides) + 1 || fit.rms_mm > kMaxPatternRmsMm || fit.min_r2 < kMinPatternR2)
+    return {};
   SeenRobot out;
   out.pose = fit.pose;
   out.pixel_x = fit.pixel_x;
@@ -62,7 +62,7 @@ std::optional<SeenRobot> whole(const PatternFit& fit, const PatternTable& patter
   return out;
 }
 
-/// Sizes in pixels of what is one mm large, over the image.
+/// Scales in px per mm that cover the image.
 std::vector<double> scales_of(const ImageView& image, const CameraModel& camera, double height_mm) {
   std::vector<double> all;
   for (int y = 0; y < 5; ++y) {
@@ -74,7 +74,7 @@ std::vector<double> scales_of(const ImageView& image, const CameraModel& camera,
   }
   if (all.empty()) return {};
   std::sort(all.begin(), all.end());
-  constexpr double kSame = 1.5;  // a filter finds what is larger or smaller by its root
+  constexpr double kSame = 1.5;  // the spot filter tolerates a factor of sqrt(kSame)
   const double low = all[all.size() / 10], high = all[all.size() - 1 - all.size() / 10];
   const double middle = all[all.size() / 2];
   if (high / low < kSame) return {middle};
@@ -84,7 +84,7 @@ std::vector<double> scales_of(const ImageView& image, const CameraModel& camera,
   return out;
 }
 
-/// Keeps the best of those that stand where only one can.
+/// Keeps the best of robots that would overlap.
 std::vector<SeenRobot> without_duplicates(std::vector<SeenRobot> found) {
   std::sort(found.begin(), found.end(),
             [](const SeenRobot& a, const SeenRobot& b) { return quality(a) > quality(b); });
@@ -110,8 +110,8 @@ class PatternSearch {
     const double radius_px = search_.patterns.center_diameter_mm / 2 * px_per_mm;
     const SmallPicture& picture = search_.pictures[frame_].of(cell_px_for(image_.format, radius_px));
     const auto spots =
-        find_spots(picture, radius_px, search_.noise_grey[frame_], SpotsOf::kBrighter, kMaxSpots);
-    const PatternFitter::Frame frame{image_, camera, search_.patterns, no_colors(), kBlurPx};
+        find_spots(picture, radius_px, search_.noise_grey[frame_], SpotsOf::kBrighter, kMaxDotSpots);
+    const PatternFitter::Frame frame{image_, camera, search_.patterns, no_colors(), kUsualBlurPx};
     for (const Spot& spot : spots) {
       if (search_.stop.stop_requested()) return;
       const auto place = camera.unproject(spot.pixel, height_mm);
@@ -181,7 +181,7 @@ CameraModel flat_camera(int width_px, int height_px, double mm_per_px) {
   c.focal_length = kFocalPx;
   c.principal_point_x = (width_px - 1) / 2.0;
   c.principal_point_y = (height_px - 1) / 2.0;
-  // It looks down; +x is to the right, +y up.
+  // Looks down; in the image +x is right, +y up.
   c.q0 = 1;
   c.q3 = 0;
   c.tz = kFocalPx * mm_per_px;
@@ -213,7 +213,7 @@ double find_scale(const RobotSearch& search) {
       best_scale = scale;
     }
     if (best == 0) continue;
-    // Finer around it.
+    // Refine around the best scale.
     for (const double factor : {1.05, 0.95, 1.025, 0.975, 1.0125, 0.9875}) {
       const double score = score_at(best_scale * factor, frame);
       if (score <= best) continue;

@@ -6,7 +6,8 @@
 namespace sslv {
 namespace {
 
-/// The first looks at an area say how it was, later ones move it by this share.
+/// The first kAreaLooks measurements of an area are averaged; later measurements move the average by the
+/// share kFollowArea.
 constexpr int kAreaLooks = 8;
 constexpr double kFollowArea = 0.1, kMaxAreaLog = 0.7;
 

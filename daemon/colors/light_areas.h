@@ -6,19 +6,20 @@
 
 namespace sslv {
 
-/// How bright each area of a camera's image is beside the whole, learnt from robots that stand in it. All are
-/// logarithms of brightness.
+/// Brightness of each area of a camera's image relative to the whole, learnt from robots in the area. All
+/// values are logarithms.
 class LightAreas {
  public:
   static constexpr int kColumns = 8, kRows = 6;
   static constexpr std::size_t kCount = std::size_t{kColumns} * kRows;
 
-  /// A robot shows that this area is as bright as `here_log`.
+  /// Adds a measurement: a robot shows this brightness of the area.
   void learn(std::size_t area, double here_log);
 
-  /// An area's own, and until it is known its neighbours' mean. Far from all robots that is 0: the whole's.
+  /// Brightness of an area; the mean of its neighbours until it is known. Areas far from all robots have 0,
+  /// the brightness of the whole image.
   double log_of(std::size_t area) const;
-  /// The same, since the area was first seen.
+  /// Change of log_of() since the area was first seen.
   double change_log_of(std::size_t area) const;
 
  private:

@@ -9,36 +9,38 @@
 namespace sslv {
 namespace {
 
-// A robot teaches when its pattern fits as well as this and every dot has the colour that its id says.
-constexpr double kMaxRmsMm = 3, kMinR2 = 0.4, kMinMargin = 0.3, kMaxMovedMm = 10;
-constexpr double kBlurPx = 0.55;
-/// A channel from here on may be at its end; a contrast below this is little but noise.
-constexpr double kFull = 245, kMinContrast = 8;
-/// Prints, shades and blur make two dots of one colour differ by this much.
+// A robot is confirmed if its pattern fits as well as this and every dot has the colour of its id.
+constexpr double kMaxConfirmedRmsMm = 3, kMinConfirmedR2 = 0.4, kMinConfirmedMargin = 0.3, kMaxMovedMm = 10;
+/// From kMayBeClipped on a channel may be clipped; a contrast below kMinContrast is mostly noise.
+constexpr double kMayBeClipped = 245, kMinContrast = 8;
+/// Standard deviation (log) between dots of one colour, due to print, shade and blur.
 constexpr double kPrintSigma = 0.03;
-/// A team's dots of one colour that make a reference, and a robot's dots that must have one.
+/// kReferenceDots: number of dots of one team and colour that make a reference. kMinDots: number of a robot's
+/// dots that must have a reference.
 constexpr int kReferenceDots = 8;
 constexpr std::size_t kMinDots = 3;
-/// Dots that must tell of red, green or blue before it moves beside the others: bright ones are at its end.
+/// Dots needed to move a channel's balance: in bright dots the channel is clipped.
 constexpr std::size_t kMinOfChannel = 4;
-/// Shares of a difference that are followed at each look: brightness at once but for noise, balance slowly.
+/// Share of the difference that each image corrects. Brightness follows fast, with noise smoothed; balance
+/// follows slowly.
 constexpr double kFollowBrightness = 0.7, kFollowBalance = 0.2;
-/// Fewer robots than these do not tell an area from the whole.
+/// Fewer robots cannot separate an area's brightness from the whole image's.
 constexpr std::size_t kMinRobotsForAreas = 3;
-/// A new table is made when a gain or an area has moved so far.
+/// Change of a gain or of an area (log) that requires a new table.
 constexpr double kTableStepLog = 0.05, kAreaStepLog = 0.07;
-/// A jump of the light is one of at least this, alike in this share of all areas.
+/// A jump of the light is at least kMinJumpLog, and it is equal to within kAlikeLog in the share kAlikeShare
+/// of all areas.
 constexpr double kMinJumpLog = 0.15, kAlikeLog = 0.12, kAlikeShare = 0.8;
-/// A busy computer looks seldom, so what was before may be seconds old.
+/// A busy computer processes few images, so the last confirmed robots may be seconds old.
 constexpr double kVanishedWithinS = 3, kTrialS = 2;
 constexpr double kMinuteS = 60;
 constexpr std::size_t kMaxSteps = 500;
 
-double mean_of(const std::array<double, 3>& values) {
+double mean_light(const std::array<double, 3>& values) {
   return (values[0] + values[1] + values[2]) / 3;
 }
 
-/// Values with their weights; 0 of none.
+/// Weighted median of `log`; 0 for an empty list. Sorts the list.
 template <class List>
 double weighted_median(List& list) {
   if (list.empty()) return 0;
@@ -60,7 +62,7 @@ std::size_t area_of(const ImageView& image, double x, double y) {
                                   place(x, image.width, LightState::kColumns));
 }
 
-/// Something that grows with the light at a place of the image: Y, or green.
+/// A value that grows with the light at a pixel: Y, or green.
 std::uint8_t luma_at(const ImageView& image, int x, int y) {
   const std::uint8_t* row = image.row(y);
   if (is_yuv422(image.format)) return row[2 * x + (image.format == PixelFormat::kUyvy ? 1 : 0)];
@@ -71,10 +73,10 @@ std::uint8_t luma_at(const ImageView& image, int x, int y) {
   return row[bytes_per_pixel(image.format) * x + (bytes_per_pixel(image.format) == 3 ? 1 : 0)];
 }
 
-/// Median luma of each area: what most of it shows, which is the floor.
+/// Median luma of each area, most of which shows the floor.
 template <std::size_t N>
 std::array<float, N> area_lumas(const ImageView& image) {
-  constexpr int kPoints = 9;  // each way
+  constexpr int kPoints = 9;  // points in each direction
   std::array<float, N> out;
   std::array<std::uint8_t, kPoints * kPoints> values;
   for (std::size_t area = 0; area < N; ++area) {
@@ -177,7 +179,8 @@ std::vector<LightFollower::Dot> LightFollower::confirmed_dots(const FollowLightP
                                                               const Look& look) {
   std::vector<Dot> out;
   std::size_t robots = 0;
-  const PatternFitter::Frame frame{look.image, *look.scene.camera, look.patterns, *tables_.in_use, kBlurPx};
+  const PatternFitter::Frame frame{look.image, *look.scene.camera, look.patterns, *tables_.in_use,
+                                   kUsualBlurPx};
   for (const Robot& robot : look.robots) {
     if (robot.confidence < params.min_confidence) continue;
     const auto code = std::find_if(look.patterns.codes.begin(), look.patterns.codes.end(),
@@ -186,7 +189,8 @@ std::vector<LightFollower::Dot> LightFollower::confirmed_dots(const FollowLightP
     const PatternFit fit =
         fitter_.fit(frame, {robot.x_mm, robot.y_mm, robot.orientation_rad}, robot.height_mm, 2);
     const std::size_t sides = look.patterns.dots.size();
-    if (fit.seen != static_cast<int>(sides) + 1 || fit.rms_mm > kMaxRmsMm || fit.min_r2 < kMinR2 ||
+    if (fit.seen != static_cast<int>(sides) + 1 || fit.rms_mm > kMaxConfirmedRmsMm ||
+        fit.min_r2 < kMinConfirmedR2 ||
         std::hypot(fit.pose.x_mm - robot.x_mm, fit.pose.y_mm - robot.y_mm) > kMaxMovedMm)
       continue;
     const auto color_of = [&](std::size_t i) {
@@ -195,7 +199,7 @@ std::vector<LightFollower::Dot> LightFollower::confirmed_dots(const FollowLightP
     std::vector<Dot> dots;
     for (std::size_t i = 0; i <= sides; ++i) {
       const PatternDotFit& dot = fit.dots[i == sides ? PatternFit::kCenter : i];
-      if (dot.color != color_of(i) || dot.margin < kMinMargin) break;
+      if (dot.color != color_of(i) || dot.margin < kMinConfirmedMargin) break;
       Dot& one = dots.emplace_back();
       one.key = {robot.team, dot.color};
       one.robot = robots;
@@ -205,7 +209,7 @@ std::vector<LightFollower::Dot> LightFollower::confirmed_dots(const FollowLightP
       one.sigma_grey = std::max(1.0, noise / 2);
       for (std::size_t k = 0; k < 3; ++k) {
         one.contrast[k] = c[k];
-        one.below_end[k] = dot.color_rgb[k] < kFull;
+        one.below_end[k] = dot.color_rgb[k] < kMayBeClipped;
       }
     }
     if (dots.size() != sides + 1) continue;
@@ -215,8 +219,8 @@ std::vector<LightFollower::Dot> LightFollower::confirmed_dots(const FollowLightP
   return out;
 }
 
-/// How a dot's channel differs from what its reference, its area and the gain make expected; nothing when it
-/// says little.
+/// Difference (log) of a dot's channel from the value expected from its reference, its area and the gain;
+/// nothing if the channel carries little information.
 std::optional<LightFollower::Difference> LightFollower::difference(const Dot& dot, std::size_t channel,
                                                                    int min_count) const {
   const auto known = references_.find(dot.key);
@@ -256,7 +260,7 @@ bool LightFollower::follow_robots(const FollowLightParams& params, const Look& l
     if (by_channel[c].size() >= kMinOfChannel) turn[c] = weighted_median(by_channel[c]) - brightness;
   }
   for (std::size_t c = 0; c < 3; ++c)
-    gain[c] += kFollowBrightness * brightness + kFollowBalance * (turn[c] - mean_of(turn));
+    gain[c] += kFollowBrightness * brightness + kFollowBalance * (turn[c] - mean_light(turn));
   std::string bound;
   set_gain(bounded(params, gain, bound));
   last_minute_.emplace_back(look.time_s, gain_);
@@ -296,13 +300,13 @@ void LightFollower::learn_areas(const std::vector<Dot>& dots) {
     robots.push_back({dots[first].area, weighted_median(differences)});
     of_robots.push_back({robots.back().log, 1});
   }
-  // What all have in common is the whole's.
+  // The difference common to all robots belongs to the whole image.
   const double common = weighted_median(of_robots);
   for (const Seen& seen : robots) areas_.learn(seen.area, areas_.log_of(seen.area) + seen.log - common);
 }
 
-/// Robots that were there and are gone at once, while the floor became brighter or darker by one factor
-/// everywhere: a lamp or the camera's exposure. The gain is moved by that factor on trial.
+/// If robots disappear at once while the floor becomes brighter or darker by one factor everywhere, a lamp or
+/// the camera's exposure has changed. The gain is then changed by that factor on trial.
 void LightFollower::try_carpet(const FollowLightParams& params, const Look& look, const AreaLuma& luma) {
   if (carpet_.trial) {
     if (look.time_s - carpet_.trial->began_s <= kTrialS) return;
@@ -332,7 +336,7 @@ void LightFollower::try_carpet(const FollowLightParams& params, const Look& look
   state_.from_carpet = true;
 }
 
-/// `bound` says which one it is at, if any.
+/// Limits the gain to the bounds. `bound` gets the user-readable name of the bound that was reached, if any.
 LightFollower::Log3 LightFollower::bounded(const FollowLightParams& params, Log3 gain,
                                            std::string& bound) const {
   const auto limit = [&](double wanted, double most, double max_per_min, const auto& of, const char* what) {
@@ -352,12 +356,12 @@ LightFollower::Log3 LightFollower::bounded(const FollowLightParams& params, Log3
     return allowed;
   };
   const double brightness =
-      limit(mean_of(gain), params.max_brightness, params.max_brightness_per_min, mean_of, "brightness");
-  const double mean = mean_of(gain);
+      limit(mean_light(gain), params.max_brightness, params.max_brightness_per_min, mean_light, "brightness");
+  const double mean = mean_light(gain);
   for (std::size_t c = 0; c < 3; ++c) {
     gain[c] = brightness + limit(
                                gain[c] - mean, params.max_balance, params.max_balance_per_min,
-                               [c](const Log3& then) { return then[c] - mean_of(then); }, "colour");
+                               [c](const Log3& then) { return then[c] - mean_light(then); }, "colour");
   }
   return gain;
 }

@@ -26,7 +26,7 @@
 
 namespace sslv {
 
-/// Whether and how far a camera's colour table follows the light.
+/// Settings: whether and how far a camera's colour table follows the light.
 struct FollowLightParams {
   bool enabled = false;
   bool in_match = false;
@@ -59,85 +59,85 @@ struct FollowLightParams {
 
 enum class LightFollowing : std::uint8_t {
   kOff,
-  kLearning,   // the first robots are to show how the accepted table's colours look
-  kFollowing,  // the light
-  kAtBound,    // the light is further away than the table may follow
-  kFrozen,     // nothing is confirmed, or it may not
+  kLearning,  // determines the references from the first robots
+  kFollowing,
+  kAtBound,  // the light has changed more than the table may follow
+  kFrozen,   // no robot is confirmed, or following is not allowed
 };
-/// As in the interface: "off", "learning", "following", "at_bound", "frozen".
+/// Name in the interface: "off", "learning", "following", "at_bound", "frozen".
 const char* name_of(LightFollowing following);
 
 struct LightState {
   static constexpr int kColumns = LightAreas::kColumns, kRows = LightAreas::kRows;
 
   LightFollowing following = LightFollowing::kOff;
-  std::string why;                      // frozen, or which bound; for people
-  std::array<double, 3> gain{1, 1, 1};  // of red, green and blue since the table was accepted
-  /// Each part of the image beside the whole, since it was first seen; 1 where too few robots were. Row by
-  /// row.
+  std::string why;                      // reason why it is frozen, or the bound reached; for the user
+  std::array<double, 3> gain{1, 1, 1};  // factors on red, green and blue since the table was accepted
+  /// Change of brightness of each area relative to the whole image since the area was first seen; 1 if too
+  /// few robots were in the area. Row by row.
   std::array<double, std::size_t{kColumns} * kRows> areas;
-  int robots = 0;                          // that counted in the newest image
-  std::optional<double> last_confirmed_s;  // when enough of them last did
-  bool from_carpet = false;                // a jump of the carpet's light was followed, robots are awaited
+  int robots = 0;                          // number confirmed in the newest image; 0 if too few
+  std::optional<double> last_confirmed_s;  // when enough robots were last confirmed
+  bool from_carpet = false;                // gain on trial after a jump of the carpet's brightness
 
   LightState() { areas.fill(1); }
 };
 
-/// A table that was put into use.
+/// A change of the table in use.
 struct LightStep {
   double time_s;
   LightChange change;
-  int robots;        // that said so
-  bool from_carpet;  // or the carpet did
+  int robots;        // confirmed in the newest image
+  bool from_carpet;  // based on the carpet, not on robots
 };
 
-/// Finds how the light on a camera's field changes, from robots whose five dots all fit, and makes the colour
-/// table follow. Nothing else teaches: no ball, no region, no pixel without a robot's pattern about it.
+/// Estimates how the light on a camera's field changes, from robots whose five dots all fit, and makes the
+/// colour table follow. It learns from nothing else: not from balls, regions or pixels outside a robot's
+/// pattern. A jump of the carpet's brightness only starts a short trial.
 ///
-/// What a team's dot of one colour looks like is taken from the first that are confirmed while the accepted
-/// table is in use, and then stays, so that nothing drifts. Later ones tell the light: one gain for each of
-/// red, green and blue, the median over all dots, and beside it, slowly, a brightness for each part of the
-/// image.
+/// The reference contrast of a team's dots of one colour is determined from the first confirmed dots and then
+/// kept, so that nothing drifts. Later dots determine the light: one gain for each of red, green and blue,
+/// the median over all dots, and slowly also a brightness for each area of the image.
 ///
-/// Has no thread and reads no clock. Images a few times a second will do.
+/// Has no thread and reads no clock. A few images per second are enough.
 class LightFollower {
  public:
   explicit LightFollower(std::shared_ptr<const Lut> accepted);
 
-  /// One finished image.
+  /// One processed image.
   struct Look {
     double time_s;
     const ImageView& image;
     const Scene& scene;
     const PatternTable& patterns;
-    std::span<const Robot> robots;  // found in it
+    std::span<const Robot> robots;  // robots found in the image
     bool game_is_running = false;
   };
   void observe(const FollowLightParams& params, const Look& look);
-  /// Back to the accepted table. Switched on again it starts over: the accepted table is right for the light
-  /// at that moment.
+  /// Returns to the accepted table. If enabled again, the follower starts over and assumes that the accepted
+  /// table fits the light at that moment.
   void switch_off();
 
-  /// Makes a new table when the light has changed since the last one; null when it has not. Takes some
-  /// tens of milliseconds.
+  /// Makes a new table if the light has changed since the last one; otherwise null. Takes some tens of
+  /// milliseconds.
   std::shared_ptr<const Lut> new_table();
   const std::shared_ptr<const Lut>& table() const { return tables_.in_use; }
   const std::shared_ptr<const Lut>& accepted() const { return tables_.accepted; }
 
-  /// Back to the accepted table; frozen until it was switched off.
+  /// Returns to the accepted table; the follower is frozen until it is switched off.
   void take_back();
 
   const LightState& state() const { return state_; }
-  /// The newest ones, oldest first.
+  /// The newest steps, oldest first.
   const std::deque<LightStep>& steps() const { return steps_; }
 
  private:
   using Log3 = std::array<double, 3>;  // logarithms, of red, green and blue
   struct Tables {
     std::shared_ptr<const Lut> accepted, in_use;
-    LightChange change;  // from the one to the other
+    LightChange change;  // from `accepted` to `in_use`
   };
-  /// How a dot's colour looks in the light of the accepted table, in a part of middling light.
+  /// Contrast of a dot's colour in the light of the accepted table, in an area of average brightness.
   struct Reference {
     std::array<int, 3> count{};
     Log3 contrast{};  // logarithm
@@ -146,18 +146,18 @@ class LightFollower {
   struct Dot {
     Key key;
     std::size_t robot, area;
-    std::array<double, 3> contrast;  // of red, green and blue; grey levels
-    double sigma_grey;               // of each of these, by noise
-    std::array<bool, 3> below_end;   // the channel is not at its upper end
+    std::array<double, 3> contrast;  // contrast of red, green and blue in grey levels
+    double sigma_grey;               // noise of each channel
+    std::array<bool, 3> below_end;   // the channel is not clipped
   };
-  /// A dot's channel against what is expected of it.
+  /// Difference of a dot's channel from its expected value.
   struct Difference {
     double log, weight;
   };
   using AreaLuma = std::array<float, LightAreas::kCount>;
-  /// Whether the carpet's light jumped when the robots were gone.
+  /// A jump of the carpet's brightness at which the robots disappeared.
   struct CarpetJump {
-    /// The image when robots were last confirmed.
+    /// The last image with confirmed robots.
     struct Before {
       double time_s;
       AreaLuma luma;
@@ -165,7 +165,7 @@ class LightFollower {
     };
     struct Trial {
       double began_s;
-      Log3 gain;  // to go back to
+      Log3 gain;  // before the trial
     };
     std::optional<Before> before;
     std::optional<Trial> trial;
@@ -186,7 +186,7 @@ class LightFollower {
   LightState state_;
   std::deque<LightStep> steps_;
   bool taken_back_ = false, has_followed_ = false;
-  double time_s_ = 0;  // of the newest image
+  double time_s_ = 0;  // time of the newest image
 
   PatternFitter fitter_;
   Log3 gain_{};

@@ -25,8 +25,8 @@ using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::string_view kFormat = "ssl-visiond colour table";
 constexpr int kVersion = 1;
-/// Larger than any file of tables, also once it is read: in base64, a table of 8 bits in which no two
-/// neighbours are alike has 43 MiB.
+/// Limit of the file and of its JSON in memory. The largest valid file, an 8-bit table without equal
+/// neighbours, takes 43 MiB in base64.
 constexpr std::size_t kMaxBytes = 64U << 20;
 
 template <class... Args>
@@ -43,7 +43,7 @@ const Json& get(const Json& json, const char* key, const std::string& file_name)
   return *found;
 }
 
-/// Whole numbers 0 .. most.
+/// A whole number 0 .. `most`.
 int number_of(const Json& json, const char* key, int most, const std::string& file_name) {
   const Json& value = get(json, key, file_name);
   if (!value.is_number_unsigned() || value.get<std::uint64_t>() > static_cast<std::uint64_t>(most))
@@ -106,7 +106,7 @@ ColorTable table_of_json(Bytes bytes, const std::string& file_name, const LabelS
     const auto value =
         static_cast<std::size_t>(number_of(each, "value", static_cast<int>(label::kMaxCount) - 1, file_name));
     const std::string name = text_of(each, "name", file_name);
-    // As labels are named that have no name: their values tell.
+    // LabelSet::name() gives this name to labels without a name: match by value.
     const bool nameless = name == LabelSet::built_in().name(static_cast<Label>(value)) && !labels.find(name);
     ours[value] = nameless ? static_cast<Label>(value) : labels.find(name);
     if (!ours[value]) {
@@ -128,8 +128,9 @@ ColorTable table_of_json(Bytes bytes, const std::string& file_name, const LabelS
 
 // ---- SSL-Vision's XML
 
-// A tree of <Var name="..." type="...">; a LUT is a Var of type "blob": base64, a byte for each cell of 4
-// bits of Y, 6 of U, 6 of V, at (Y << 12 | U << 6 | V); then as many bytes more that mean nothing.
+// A tree of <Var name="..." type="...">. A LUT is a Var of type "blob": base64 of one byte for each cell of 4
+// bits of Y, 6 of U, 6 of V, at (Y << 12 | U << 6 | V), and optionally the same number of unused bytes after
+// that.
 constexpr int kYBits = 4, kUvBits = 6;
 constexpr std::size_t kLutBytes = std::size_t{1} << (kYBits + 2 * kUvBits);
 
@@ -138,8 +139,8 @@ struct FreeXml {
 };
 using XmlDocument = std::unique_ptr<xmlDoc, FreeXml>;
 
-/// Reads what can be read of XML that has mistakes. Nothing is fetched, no entity is expanded, and libxml2's
-/// bounds on depth and length hold.
+/// Parses as much as possible of malformed XML. Fetches nothing, expands no entities, and keeps libxml2's
+/// limits on depth and length.
 XmlDocument parse_xml(Bytes bytes) {
   return XmlDocument(xmlReadMemory(
       reinterpret_cast<const char*>(bytes.data()), static_cast<int>(bytes.size()), nullptr, nullptr,
@@ -172,7 +173,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// The number after any of these words, such as "Camera 1", "robocup-ssl-cam-0-lut-yuv.xml".
+/// The number after a word for a camera, as in "Camera 1" or "robocup-ssl-cam-0-lut-yuv.xml".
 std::optional<int> camera_in(const std::string& text) {
   const std::string small = lower(text);
   for (const std::string_view word : {"camera ", "camera-", "camera_", "thread ", "cam-", "cam "}) {
@@ -215,7 +216,7 @@ ColorTable table_of_blob(const std::string& text, const std::string& name, const
 
 struct XmlFinds {
   std::vector<ImportedTable> tables;
-  std::vector<std::string> elsewhere;  // files that are said to hold LUTs
+  std::vector<std::string> elsewhere;  // referenced files that should hold LUTs
 };
 
 void collect(const xmlNode& node, const std::string& path, std::optional<int> camera,

@@ -9,8 +9,8 @@
 
 namespace sslv {
 
-/// Shares of the light by which it may grow or fall before a surface gets a label: docs/openapi.json's
-/// "margins".
+/// Relative changes of the light, up and down, at which a surface gets a label: "margins" in
+/// docs/openapi.json.
 Json margins_json(std::span<const LabelMargin> margins, const LabelSet& labels);
 
 }  // namespace sslv

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "colors/name_dots.h"
 
+#include "base/statistics.h"
 #include "vision/color_name.h"
 
 #include <algorithm>
@@ -19,25 +20,20 @@
 namespace sslv {
 namespace {
 
-/// Groups nearer than this in shares, or than so many times their spread, are one.
+/// Two groups are the same if their chromaticities are nearer than this, or nearer than this multiple of
+/// their spread.
 constexpr double kMinApart = 0.15, kMinApartPerSpread = 3.2;
-/// How alike seen and printed differences must be (a cosine).
+/// Smallest cosine between the differences of seen colours and the differences of prints.
 constexpr double kMinAlike = 0.4;
-/// A single group is named when the next likeliest print is this much further off.
+/// For name_some(): largest distance to the nearest print, over the distance to the second nearest print.
 constexpr double kClearlyNearest = 0.6;
 const Color3 kPrintedBlack(26, 26, 29);
 
 struct Groups {
   std::vector<Color3> means;
-  std::vector<std::size_t> of;  // of each colour
+  std::vector<std::size_t> of;  // index of each colour's group
   double spread = 0;
 };
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double distance(const SeenDot& dot, const Color3& chromaticity) {
   return (chromaticity_of(unclipped_contrast(dot, chromaticity)) - chromaticity).norm();
@@ -55,7 +51,8 @@ std::size_t nearest(const std::vector<Color3>& means, const SeenDot& dot) {
   return best;
 }
 
-/// Medians of those that nothing clips; where these are few, of the dimmest third, which is clipped least.
+/// Median chromaticity of the unclipped dots. If fewer than a third of the dots are unclipped: of the dimmest
+/// third, which is clipped least.
 Color3 typical_shares(std::vector<const SeenDot*> dots) {
   const auto is_clipped = [](const SeenDot* dot) { return dot->color.maxCoeff() >= kClippedGrey; };
   const auto clipped = std::stable_partition(dots.begin(), dots.end(), std::not_fn(is_clipped));
@@ -74,7 +71,7 @@ Color3 typical_shares(std::vector<const SeenDot*> dots) {
   return out;
 }
 
-/// One run of k-means, with medians, from some of the colours. Returns the sum of all distances.
+/// One run of k-means, with medians, from `starts`. Returns the sum of all distances.
 double group_from(std::span<const SeenDot> colors, std::vector<Color3> starts, Groups& out) {
   const std::size_t count = starts.size();
   out.means = std::move(starts);
@@ -97,8 +94,7 @@ double group_from(std::span<const SeenDot> colors, std::vector<Color3> starts, G
   return sum;
 }
 
-/// The best of some runs, so that one odd colour does not make a group. The same colours give the same
-/// groups.
+/// Best result of several runs, so that one odd colour does not make a group. Deterministic.
 Groups group(std::span<const SeenDot> colors, std::size_t count) {
   constexpr int kRuns = 24;
   Groups best;
@@ -119,7 +115,7 @@ Groups group(std::span<const SeenDot> colors, std::size_t count) {
   return best;
 }
 
-/// As many groups as there are, `most` at most.
+/// Forms as many groups as are distinct, at most `most`.
 Groups distinct_groups(std::span<const SeenDot> colors, std::size_t most) {
   for (std::size_t count = std::min(most, colors.size()); count > 1; --count) {
     Groups out = group(colors, count);
@@ -136,7 +132,8 @@ Color3 printed_contrast(Label label) {
   return (print_color(label) - kPrintedBlack).cwiseMax(1);
 }
 
-/// What a label's shares should be: as people pointed at it, or as a print under the light's gains.
+/// Expected chromaticity of a label: from the samples that the user pointed at, or else from the label's
+/// print and the light's gains.
 Color3 expected_shares(Label label, const Color3& gains, std::span<const ColorSample> guide,
                        const Color3& black) {
   Color3 sum = Color3::Zero();
@@ -147,8 +144,8 @@ Color3 expected_shares(Label label, const Color3& gains, std::span<const ColorSa
   return chromaticity_of(printed_contrast(label).cwiseProduct(gains));
 }
 
-/// Names groups that are as many as the labels: by how they differ from one another, which a cast of the
-/// light does not change much. Empty when they differ in another way.
+/// Names as many groups as there are labels, by the differences between the groups, which a colour cast
+/// hardly changes. Empty if the differences do not match the labels' differences.
 std::vector<Label> name_all(const std::vector<Color3>& means, std::span<const Label> labels,
                             std::span<const Color3> expected) {
   const std::size_t count = means.size();
@@ -179,7 +176,8 @@ std::vector<Label> name_all(const std::vector<Color3>& means, std::span<const La
   return out;
 }
 
-/// Names groups that are fewer: each must be clearly nearest to one label.
+/// Names fewer groups than labels: each group must be clearly nearest to one label. Otherwise the result is
+/// empty.
 std::vector<Label> name_some(const std::vector<Color3>& means, std::span<const Label> labels,
                              std::span<const Color3> expected) {
   std::vector<Label> out;
@@ -203,8 +201,8 @@ std::vector<Label> name_some(const std::vector<Color3>& means, std::span<const L
   return out;
 }
 
-/// The light's gains, from what dots of known labels look like: how their shares differ from the prints',
-/// where the print has that colour.
+/// Gains of the light from dots of known labels: ratios of seen to printed chromaticities, weighted by the
+/// printed chromaticities.
 Color3 gains_from(const std::map<Label, Color3>& chromaticities) {
   Color3 sum = Color3::Zero(), weights = Color3::Zero();
   for (const auto& [label, seen] : chromaticities) {
@@ -284,7 +282,8 @@ NamedDots name_dots(std::span<const SeenRobot> robots, const PatternTable& patte
     for (std::size_t i = 0; i < kind.names.size(); ++i) seen[kind.names[i]] = kind.groups.means[i];
     out.gains = gains_from(seen);
   };
-  // First those whose colours are all there: they tell the light, by which a lonely one is named.
+  // First names the kinds of dots whose colours are all present, because these give the gains that are needed
+  // to name a single group.
   for (Kind& kind : kinds) {
     kind.groups = distinct_groups(kind.colors, kind.labels.size());
     if (kind.groups.means.size() < kind.labels.size() || kind.labels.size() < 2) continue;

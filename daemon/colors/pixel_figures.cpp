@@ -11,7 +11,7 @@
 namespace sslv {
 namespace {
 
-/// Cut to [0, size) and grown to multiples of `step`.
+/// Begin and length, clipped to [0, size) and grown to multiples of `step`.
 std::pair<int, int> within(int begin, int length, int size, int step) {
   const std::int64_t end = std::min<std::int64_t>(std::int64_t{begin} + length, size);
   const int from = std::max(begin, 0) / step * step;
@@ -23,7 +23,7 @@ std::pair<int, int> within(int begin, int length, int size, int step) {
 }  // namespace
 
 Yuv cell_color(const ImageView& image, int x, int y) {
-  /// Places within the four bytes of two pixels.
+  /// `luma` and `u`: offsets within the four bytes of two pixels.
   const auto yuv422 = [&](int luma, int u) {
     const std::uint8_t* pair = image.row(y) + static_cast<std::ptrdiff_t>(x / 2) * 4;
     return Yuv{pair[luma + x % 2 * 2], pair[u], pair[u + 2]};
@@ -32,7 +32,7 @@ Yuv cell_color(const ImageView& image, int x, int y) {
     const std::uint8_t* pixel = image.row(y) + static_cast<std::ptrdiff_t>(x) * 3;
     return to_yuv({pixel[red], pixel[1], pixel[2 - red]});
   };
-  /// red: its place in the quad 0 1 / 2 3; blue sits opposite.
+  /// `red`: its index in the quad 0 1 / 2 3; blue is diagonally opposite.
   const auto bayer = [&](std::size_t red) {
     const std::uint8_t* upper = image.row(2 * y) + static_cast<std::ptrdiff_t>(x) * 2;
     const std::uint8_t* lower = image.row(2 * y + 1) + static_cast<std::ptrdiff_t>(x) * 2;
@@ -57,7 +57,7 @@ Yuv cell_color(const ImageView& image, int x, int y) {
 
 PixelBlock read_pixels(const ImageView& image, PixelBox box, const Lut& lut) {
   const int cell_px = is_bayer(image.format) ? 2 : 1;
-  // Two pixels of YUV 4:2:2 have their colour together.
+  // In YUV 4:2:2 two pixels share their colour.
   const int step_x = is_yuv422(image.format) ? 2 : cell_px;
   PixelBlock out;
   out.cell_px = cell_px;
@@ -72,7 +72,7 @@ PixelBlock read_pixels(const ImageView& image, PixelBox box, const Lut& lut) {
   LabelImage labels;
   Threshold().process({}, lut, Mask(), Image(part, nullptr, nullptr, nullptr), labels);
 
-  // What was asked for, without what the colours' pairs have added.
+  // The requested columns, without the pixel that completes a pair.
   const int wished_x = std::max(box.x, 0) / cell_px * cell_px;
   const auto wished_end = std::min<std::int64_t>(std::int64_t{box.x} + box.width, x + width);
   const int skipped = (wished_x - x) / cell_px;

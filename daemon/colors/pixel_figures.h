@@ -17,36 +17,36 @@ struct PixelBox {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-/// The cells of a rectangle, row by row: pixels, or the 2x2 quads of a Bayer image, and what a table makes
-/// of them.
+/// The cells of a rectangle, row by row: pixels, or the 2x2 quads of a Bayer image, with the labels that a
+/// table gives them.
 struct PixelBlock {
-  PixelBox box;  // what is left of the rectangle within the image, grown to whole cells
+  PixelBox box;  // the rectangle clipped to the image and grown to whole cells
   int cell_px = 1;
   int columns = 0, rows = 0;
   std::vector<Yuv> colors;
   std::vector<Label> labels;
 };
 
-/// The colour of the cell at (x, y), counted in cells: of a pixel, or of the 2x2 quad of a Bayer image.
+/// The colour of the cell at (x, y), in cell coordinates: a pixel, or a 2x2 quad of a Bayer image.
 Yuv cell_color(const ImageView& image, int x, int y);
 
-/// Empty when the rectangle lies outside the image. Grey pixels have U = V = 128.
+/// The cells of a rectangle; empty if the rectangle lies outside the image. Grey pixels have U = V = 128.
 PixelBlock read_pixels(const ImageView& image, PixelBox box, const Lut& lut);
 
-/// Cells of the block that hang together (8 neighbours) with the one that the pixel lies in, and have its
-/// label; none when it lies outside.
+/// Flags the cells that have the same label as the cell of this pixel and are connected to it (8 neighbours).
+/// Flags no cell if the pixel lies outside the block.
 std::vector<bool> region_around(const PixelBlock& block, int x_px, int y_px);
 
-/// Of some cells.
+/// Statistics of some cells.
 struct PixelFigures {
   static constexpr std::size_t kBins = 64;
   std::size_t count = 0;
-  std::array<double, 3> mean{}, spread{};             // of Y, U, V; spread: standard deviation
-  std::array<std::size_t, label::kMaxCount> cells{};  // of each label
+  std::array<double, 3> mean{}, spread{};             // mean and standard deviation of Y, U, V
+  std::array<std::size_t, label::kMaxCount> cells{};  // count of each label
   std::array<std::array<std::size_t, kBins>, 3> histogram{};
 };
 
-/// `chosen`: one for each cell of the block; empty: all.
+/// `chosen`: one flag for each cell of the block; empty: all.
 PixelFigures figures_of(const PixelBlock& block, const std::vector<bool>& chosen = {});
 
 }  // namespace sslv

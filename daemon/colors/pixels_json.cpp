@@ -11,7 +11,7 @@
 namespace sslv {
 namespace {
 
-constexpr std::size_t kMaxCells = 16'384;  // of which a client gets the colours one by one
+constexpr std::size_t kMaxCells = 16'384;  // larger blocks are sent without the cells' colours and labels
 
 template <class Numbers>
 Json array_json(const Numbers& numbers) {

@@ -9,7 +9,7 @@
 
 namespace sslv {
 
-/// docs/openapi.json's Pixels.
+/// Pixels in docs/openapi.json.
 Json pixels_json(const PixelBlock& block, const PixelFigures& figures, std::uint32_t frame_number,
                  const LabelSet& labels);
 

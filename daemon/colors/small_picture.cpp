@@ -8,7 +8,7 @@
 namespace sslv {
 namespace {
 
-/// Sums of one row of cells' channels: red, green and blue, or Y, U and V.
+/// Channel sums of one row of cells: red, green and blue, or Y, U and V.
 using RowSums = std::vector<std::array<std::int32_t, 3>>;
 
 void add_rgb_row(const std::uint8_t* row, int cell_px, bool red_first, RowSums& cells) {
@@ -44,8 +44,8 @@ void add_yuv_row(const std::uint8_t* row, int cell_px, bool luma_first, RowSums&
   }
 }
 
-/// `even` and `odd` are the colours (0 red, 1 green, 2 blue) of a row's even and odd pixels. Green counts
-/// half, so that all weigh the same after two rows.
+/// `even` and `odd`: colours (0 red, 1 green, 2 blue) of a row's even and odd pixels. Green has half the
+/// weight, so that all colours weigh the same after two rows.
 void add_bayer_row(const std::uint8_t* row, int cell_px, std::size_t even, std::size_t odd, RowSums& cells) {
   const std::uint8_t* p = row;
   const int even_weight = even == 1 ? 2 : 4, odd_weight = odd == 1 ? 2 : 4;
@@ -57,7 +57,8 @@ void add_bayer_row(const std::uint8_t* row, int cell_px, std::size_t even, std::
   }
 }
 
-/// Brightness, or for Bayer images the samples of one colour, so that neighbours are alike.
+/// Positions of brightness samples. In Bayer images, only the samples of one colour count, so that neighbours
+/// are comparable.
 struct Grid {
   int first, step_px, step_bytes;
 };
@@ -154,7 +155,7 @@ Color3 SmallPicture::ring_mean(int x, int y, int inner, int outer) const {
 }
 
 double noise_of(const ImageView& image) {
-  // The second difference of second differences across and down: nothing of what is even or a straight edge.
+  // Horizontal second difference of the vertical second difference: 0 on even areas and straight edges.
   const Grid grid = brightness_grid(image.format);
   const int step = grid.step_px;
   std::vector<int> sizes;
@@ -166,7 +167,7 @@ double noise_of(const ImageView& image) {
                        *below = image.row(y + step) + grid.first;
     for (int i = 1; (i + 1) * step < image.width; i += every_x) {
       const int x = i * grid.step_bytes, s = grid.step_bytes;
-      if (here[x] < 4 || here[x] > 250) continue;  // clipped: no noise is to be seen
+      if (here[x] < 4 || here[x] > 250) continue;  // clipped, which hides the noise
       sizes.push_back(std::abs(4 * here[x] - 2 * (above[x] + below[x] + here[x - s] + here[x + s]) +
                                above[x - s] + above[x + s] + below[x - s] + below[x + s]));
     }
@@ -174,8 +175,8 @@ double noise_of(const ImageView& image) {
   if (sizes.size() < 100) return 0;
   const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
   std::nth_element(sizes.begin(), middle, sizes.end());
-  // The median of a Gaussian's size is 0.6745 sigma; the sum of squared weights is 36. Y mixes the noise of
-  // three channels: 0.67 of one's.
+  // The median magnitude of a Gaussian is 0.6745 sigma; the squared weights sum to 36. Y mixes the noise of
+  // three channels: its noise is 0.67 of one channel's noise.
   return *middle / 0.6745 / 6 / (is_yuv422(image.format) ? 0.67 : 1);
 }
 

@@ -14,13 +14,13 @@
 
 namespace sslv {
 
-using Color3 = Eigen::Vector3d;  // red, green, blue in grey levels; unlike Rgb it may lie outside the cube
+using Color3 = Eigen::Vector3d;  // red, green, blue in grey levels; unlike Rgb it may be below 0 or above 255
 
-/// An image's colours, averaged over cells of cell_px x cell_px pixels, with sums over rectangles at hand.
+/// An image's colours, averaged over cells of cell_px x cell_px pixels, with fast sums over squares.
 class SmallPicture {
  public:
-  /// `cell_px` is even for Bayer images, and 1 or even for YUV 4:2:2. The image has colours. Cells whose
-  /// middle the mask hides are not shown.
+  /// `cell_px` must be even for Bayer images, and 1 or even for YUV 4:2:2; the image must have colours. Cells
+  /// whose middle the mask hides are not shown.
   SmallPicture(const ImageView& image, int cell_px, const Mask* mask);
 
   int width() const { return width_; }
@@ -29,12 +29,12 @@ class SmallPicture {
 
   Color3 at(int x, int y) const;
   bool shows(int x, int y) const { return shown_.empty() || shown_[index(x, y)] != 0; }
-  /// Mean over the square of 2 reach + 1 cells about a cell, which must lie in the image.
+  /// Mean over the square of 2 reach + 1 cells around a cell. The square must lie in the image.
   Color3 mean(int x, int y, int reach) const;
-  /// Mean over the square of 2 outer + 1 cells without that of 2 inner + 1.
+  /// Mean over the square of 2 outer + 1 cells without the square of 2 inner + 1 cells.
   Color3 ring_mean(int x, int y, int inner, int outer) const;
 
-  /// Between cells and pixels, whose centres are whole numbers.
+  /// Conversion between cell and pixel coordinates, in which centres are whole numbers.
   Eigen::Vector2d pixel_of(double x, double y) const {
     return {(x + 0.5) * cell_px_ - 0.5, (y + 0.5) * cell_px_ - 0.5};
   }
@@ -43,7 +43,7 @@ class SmallPicture {
   }
 
  private:
-  /// Sums are whole numbers of 1/16 grey level. They may overflow: differences of them come out right.
+  /// Sums are in 1/16 grey level. They may overflow: their differences are still correct.
   static constexpr int kScale = 16;
   using Sum = std::array<std::uint32_t, 3>;
   std::size_t index(int x, int y) const {
@@ -52,11 +52,11 @@ class SmallPicture {
   std::array<std::int32_t, 3> sum(int x, int y, int reach) const;
 
   int width_, height_, cell_px_;
-  std::vector<Sum> sums_;  // of all cells above and to the left: (width + 1) x (height + 1)
+  std::vector<Sum> sums_;  // sums of all cells above and to the left: (width + 1) x (height + 1)
   std::vector<std::uint8_t> shown_;
 };
 
-/// An image in cells of the sizes that were asked for, each made once.
+/// Caches an image's SmallPicture for each cell size requested.
 class SmallPictures {
  public:
   SmallPictures(const ImageView& image, const Mask* mask) : image_(image), mask_(mask) {}
@@ -65,7 +65,7 @@ class SmallPictures {
     return at != pictures_.end() ? at->second
                                  : pictures_.try_emplace(cell_px, image_, cell_px, mask_).first->second;
   }
-  /// The finest cells that each know all three colours.
+  /// The finest cells that contain all three colours.
   const SmallPicture& finest() { return of(is_bayer(image_.format) || is_yuv422(image_.format) ? 2 : 1); }
 
  private:
@@ -74,18 +74,18 @@ class SmallPictures {
   std::map<int, SmallPicture> pictures_;
 };
 
-/// Whether learning can look at such an image at all.
+/// Whether colours can be learnt from images of this format.
 bool has_colors(PixelFormat format);
 
-/// Noise of one pixel in grey levels, from how neighbours differ: a robust estimate on the image's
-/// brightness. 0 for none.
+/// Noise of one pixel in grey levels: a robust estimate from differences of neighbouring brightness values. 0
+/// if there are too few values.
 double noise_of(const ImageView& image);
 
-/// Share of the pixels with a channel at its end, and the brightness that 1 % of the pixels exceed; from a
-/// grid of pixels that the mask shows.
+/// Share of clipped cells, and the brightness that 1 % of the cells exceed; from a grid of the cells that the
+/// mask shows.
 struct PictureExposure {
   double clipped_share = 0, bright = 0;
-  double colorfulness = 0;  // mean difference of the largest from the smallest of red, green and blue
+  double colorfulness = 0;  // mean range of red, green and blue
 };
 PictureExposure exposure_of(const SmallPicture& picture);
 

@@ -17,12 +17,11 @@
 namespace sslv {
 namespace {
 
-constexpr double kCarpetAlike = 0.07;    // in shares
-constexpr double kFloorAlike = 0.06;     // in shares
-constexpr double kMinFloorShare = 0.02;  // of what was looked at
+constexpr double kFloorAlike = 0.06;     // distance of chromaticities
+constexpr double kMinFloorShare = 0.02;  // share of all places
 constexpr std::size_t kPlacesPerFrame = 120'000;
 
-/// Whether one colour is another in more or less light.
+/// Whether one colour may be the other colour in more or less light.
 bool goes_on(const Color3& here, const Color3& there) {
   const double length2 = there.squaredNorm();
   if (length2 < 1) return here.norm() < 12;
@@ -35,17 +34,17 @@ bool goes_on(const Color3& here, const Color3& there) {
 /// A place on a large surface.
 struct Place {
   std::size_t frame;
-  int cell_x, cell_y;  // of the small image
+  int cell_x, cell_y;  // cell of the SmallPicture
   Color3 color;
-  std::unique_ptr<std::array<Color3, 2>> beside{};  // shares on both its sides, if it is as narrow as a line
+  std::unique_ptr<std::array<Color3, 2>> beside{};  // chromaticities on both sides; only for narrow places
 
   Color3 chromaticity() const { return chromaticity_of(color); }
 };
 
-/// Many: a list that grows in one piece would take three times the memory for a moment.
+/// A deque, because a growing vector would temporarily need three times the memory.
 using Places = std::deque<Place>;
 
-/// Where most shares lie, to a fiftieth.
+/// Most common chromaticity, found in bins of 1/50, of the places that `counts` accepts.
 std::optional<Color3> commonest(const Places& places, const std::function<bool(const Place&)>& counts) {
   constexpr int kBins = 50;
   std::vector<std::size_t> bins(std::size_t{kBins} * kBins);
@@ -56,7 +55,7 @@ std::optional<Color3> commonest(const Places& places, const std::function<bool(c
   for (const Place& place : places) {
     if (counts(place)) ++bins[bin_of(place.chromaticity())];
   }
-  // Of three by three bins, so that no border splits what belongs together.
+  // Sums three by three bins, so that no border splits a cluster.
   std::size_t most = 0;
   int best = 0;
   for (int i = 1; i + 1 < kBins; ++i) {
@@ -82,11 +81,11 @@ std::optional<Color3> commonest(const Places& places, const std::function<bool(c
   return Color3(sum / count);
 }
 
-/// Of normally distributed values, from how many differ from the mean by 0, 1, ... levels; at least half a
-/// level.
+/// Standard deviation of normally distributed values, from the numbers of values that differ from the mean by
+/// 0, 1, ... levels; at least half a level.
 double sigma_of(const std::array<std::size_t, 256>& differences, std::size_t count) {
-  // So much of a normal distribution lies within one sigma. A difference of n levels is one of n - 1/2 to n +
-  // 1/2: whole levels would jump from image to image, and a margin with them.
+  // Share of a normal distribution within one sigma. A difference of n levels counts as n - 1/2 to n + 1/2:
+  // with whole levels, the result and therefore the margins would jump from image to image.
   const double wanted = 0.683 * static_cast<double>(count);
   double below = 0;
   for (std::size_t level = 0; level < differences.size(); ++level) {
@@ -125,7 +124,7 @@ Places find_places(const SurfaceSearch& search) {
         if (!picture.shows(x, y)) continue;
         const Color3 here = picture.mean(x, y, reach);
         const auto alike = [&](int dx, int dy) {
-          // At the image's rim there is one side only.
+          // At the image's edge there is one side only.
           const auto one = mean_at(x - dx, y - dy), other = mean_at(x + dx, y + dy);
           return (one || other) && (!one || goes_on(here, *one)) && (!other || goes_on(here, *other));
         };
@@ -155,7 +154,7 @@ Yuv in_light(Yuv color, double factor) {
   return to_yuv({scaled(rgb.r), scaled(rgb.g), scaled(rgb.b)});
 }
 
-/// The brightness that a share of the colours' pixels exceeds.
+/// The brightness that this share of the colours' pixels exceeds.
 int brightness_above(std::span<const SurfaceColors::Color> colors, std::size_t total, double share) {
   std::array<std::size_t, 256> counts{};
   for (const auto& [color, count] : colors) counts[color.y] += count;
@@ -167,13 +166,13 @@ int brightness_above(std::span<const SurfaceColors::Color> colors, std::size_t t
   return level;
 }
 
-/// Colours that a surface takes, in bins of SurfaceColors.
+/// The colours that a surface may have in a range of light, in bins of SurfaceColors.
 class Taken {
  public:
   static constexpr int kSide = SurfaceColors::kSide, kLevels = 256 / kSide;
 
   explicit Taken(const std::array<double, 3>& reach_levels) : bins_(std::size_t{kSide} * kSide * kSide) {
-    // Bins whose middle lies in the ellipsoid, half a bin larger.
+    // Bins whose middle lies in the ellipsoid, which is enlarged by half a bin.
     std::array<double, 3> radius{};
     for (std::size_t c = 0; c < 3; ++c) radius[c] = reach_levels[c] / kLevels + 0.5;
     const int most = static_cast<int>(*std::max_element(radius.begin(), radius.end()));
@@ -189,7 +188,7 @@ class Taken {
 
   void add(Yuv color) {
     const std::array<int, 3> middle{color.u / kLevels, color.v / kLevels, color.y / kLevels};
-    // Many colours of a surface share a bin.
+    // Skips bins added before: many colours of a surface share a bin.
     if (std::exchange(bins_[index(middle)], std::uint8_t{kMiddle}) == kMiddle) return;
     for (const auto& [du, dv, dy] : around_) {
       const std::array<int, 3> at{middle[0] + du, middle[1] + dv, middle[2] + dy};
@@ -217,13 +216,13 @@ Taken taken_by(const SurfaceColors& surfaces, SurfaceKind kind, const ClearRange
   Taken out(reach_levels);
   const std::vector<SurfaceColors::Color> colors = surfaces.colors(kind);
   const std::size_t total = surfaces.total(kind);
-  // What is rarer is an edge, or some small thing.
+  // Rarer colours belong to edges or small objects.
   const auto least =
       std::max<std::uint32_t>(2, static_cast<std::uint32_t>(5e-5 * static_cast<double>(total)));
-  // The few places that shine are not what the range is about: too few for a flood.
+  // Shiny places need not stay clear over the whole range of light, because they are too few for a flood.
   constexpr double kShine = kFloodShare / 2, kShineMore = 1.06;
-  // Over-exposed carpet looks like dots: where a channel is clipped, little more than the margin that is
-  // wanted, so that noise of the next images takes none of it.
+  // Over-exposed carpet looks like dots: if a channel is clipped, the cleared range is only slightly larger
+  // than the wanted margin. The additional 0.1 keeps noise in later images from reducing the margin.
   constexpr double kBrightestClipped = 1 + kWantedMargin + 0.1;
   const double bright = std::max(1, brightness_above(colors, total, kShine));
   for (const auto& [color, count] : colors) {
@@ -240,7 +239,7 @@ Taken taken_by(const SurfaceColors& surfaces, SurfaceKind kind, const ClearRange
   return out;
 }
 
-/// A surface's chroma per level of luma: it stays when the light changes, unless a channel is clipped.
+/// A surface's chroma per level of luma, which does not change with the light unless a channel is clipped.
 class Hue {
  public:
   Hue(const SurfaceColors& surfaces, SurfaceKind kind) : noise_sigma_(surfaces.noise_sigma) {
@@ -264,13 +263,14 @@ class Hue {
       for (std::size_t c = 0; c < 2; ++c)
         squares[c] += color.count * square(chroma[c] - per_luma_[c] * color.color.y) / count;
     }
-    // Colours are counted in bins; what that adds is no texture.
+    // Binning adds variance that is not texture.
     constexpr double kBin = 256.0 / SurfaceColors::kSide, kBinVariance = kBin * kBin / 12;
     for (std::size_t c = 0; c < 2; ++c)
       texture_[c] = std::sqrt(std::max(0.0, squares[c] - kBinVariance)) / mean_luma_;
   }
-  /// So many sigmas of its texture and of a pixel's noise lie between the surface in whatever light and a
-  /// colour, or what lies `within_levels` of it; 0 where light changes hues.
+  /// Distance between a colour and the surface in any light, in sigmas of its texture and of a pixel's noise,
+  /// reduced by `within_levels` per channel. 0 if a channel is clipped, because then the light changes the
+  /// hue.
   double sigmas_from(Yuv color, double within_levels) const {
     if (mean_luma_ <= 0 || is_clipped(color)) return 0;
     const auto chroma = chroma_of(color);
@@ -288,16 +288,16 @@ class Hue {
   static constexpr double square(double value) { return value * value; }
   static std::array<double, 2> chroma_of(Yuv color) { return {color.u - 128.0, color.v - 128.0}; }
   static bool is_clipped(Yuv color) {
-    constexpr int kFull = 235;
+    constexpr int kClippedByte = 235;
     const Rgb rgb = to_rgb(color);
-    return std::max({rgb.r, rgb.g, rgb.b}) > kFull;
+    return std::max({rgb.r, rgb.g, rgb.b}) > kClippedByte;
   }
-  std::array<double, 2> per_luma_{}, texture_{};  // of U and V
+  std::array<double, 2> per_luma_{}, texture_{};  // for U and V
   double mean_luma_ = 0;
   std::array<double, 3> noise_sigma_;
 };
 
-/// Normally distributed, with sigma 1 in each direction; always the same.
+/// Normally distributed samples with sigma 1 per channel; deterministic.
 std::vector<std::array<double, 3>> noise_samples() {
   constexpr std::size_t kCount = 64;
   std::vector<std::array<double, 3>> out;
@@ -369,7 +369,7 @@ SurfaceColors find_surfaces(const SurfaceSearch& search) {
       static_cast<double>(floor_places) > kMinFloorShare * static_cast<double>(places.size());
 
   SurfaceColors out;
-  std::array<std::array<std::size_t, 256>, 3> differences{};  // of pixels from what lies around
+  std::array<std::array<std::size_t, 256>, 3> differences{};  // numbers of pixels, by difference in levels
   for (const Place& place : places) {
     const SurfaceKind kind = is_carpet(place)               ? SurfaceKind::kCarpet
                              : has_floor && is_floor(place) ? SurfaceKind::kFloor
@@ -396,7 +396,7 @@ std::size_t clear_surfaces(ColorTable& table, const SurfaceColors& surfaces, con
               floor = taken_by(surfaces, SurfaceKind::kFloor, range),
               other = taken_by(surfaces, SurfaceKind::kOther, range);
   const Hue carpet_hue(surfaces, SurfaceKind::kCarpet);
-  // Three pixels in a thousand lie beyond, whatever their hue: fewer than make a flood.
+  // 0.3 % of a surface's own pixels lie beyond this distance, which is too few for a flood.
   constexpr double kOtherHueSigmas = 3.4;
   const double half_cell_levels = 128.0 / table.side();
   std::size_t changed = 0;

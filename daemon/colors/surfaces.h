@@ -21,40 +21,39 @@
 
 namespace sslv {
 
-/// What is large in a camera's frames, unlike dots and balls.
+/// Kinds of large surfaces in a camera's frames, unlike dots and balls.
 enum class SurfaceKind : std::uint8_t {
   kCarpet,
-  kFloor,  // the commonest beside the carpet
+  kFloor,  // the most common surface besides the carpet
   kOther,  // lines, boards, walls, clothes
 };
 inline constexpr std::size_t kSurfaceKinds = 3;
-/// "carpet", "floor", "other surfaces": for people.
+/// "carpet", "floor", "other surfaces": for the user.
 std::string_view name_of(SurfaceKind kind);
 
-/// A disc of a frame that is left out, such as a robot.
+/// A disc of a frame that is excluded, such as a robot.
 struct PixelDisc {
   std::size_t frame;
   double x_px, y_px, radius_px;
 };
 
-/// Frames of one camera in which surfaces are looked for.
+/// Frames of one camera in which surfaces are searched.
 struct SurfaceSearch {
-  std::span<const ImageView> frames;  // of one format with colours
-  std::span<SmallPictures> pictures;  // of each frame
+  std::span<const ImageView> frames;  // all of one format, with colours
+  std::span<SmallPictures> pictures;  // one for each frame
   const Mask* mask = nullptr;
   std::span<const PixelDisc> left_out = {};
   double largest_dot_px = 0;                       // diameter of the largest dot or ball
-  std::optional<Color3> carpet_chromaticity = {};  // of red, green and blue; absent: the commonest surface
+  std::optional<Color3> carpet_chromaticity = {};  // none: the most common surface
   std::function<bool(std::size_t frame, const Eigen::Vector2d& pixel)> on_carpet =
-      {};                     // may be known; where the
-                              // commonest counts
-  std::stop_token stop = {};  // then what is found is of no use
+      {};                     // pixels to search for the carpet; may be empty
+  std::stop_token stop = {};  // after a stop request, the result is useless
 };
 
-/// The colours of large surfaces, texture included, and how far their pixels scatter about them.
+/// The colours of large surfaces, texture included, and the noise of their pixels.
 class SurfaceColors {
  public:
-  /// Levels of a channel that are counted together: 4.
+  /// Bins per channel, of 4 levels each.
   static constexpr int kBits = 6, kSide = 1 << kBits;
 
   void add(SurfaceKind kind, Yuv color) {
@@ -67,10 +66,10 @@ class SurfaceColors {
     Yuv color;  // the middle of a bin
     std::uint32_t count;
   };
-  /// Every bin that was seen.
+  /// All bins that are not empty.
   std::vector<Color> colors(SurfaceKind kind) const;
 
-  /// Noise of one pixel's Y, U and V about the colour around it, in grey levels.
+  /// Standard deviation of one pixel's Y, U and V from the colour around it, in grey levels.
   std::array<double, 3> noise_sigma{};
 
  private:
@@ -86,64 +85,65 @@ class SurfaceColors {
   std::array<std::size_t, kSurfaceKinds> totals_{};
 };
 
-/// Looks at where a colour goes on to the left and right, or up and down, further than any dot or ball does.
-/// Takes some tens of milliseconds a frame.
+/// Uses places where a colour continues to the left and right, or up and down, further than any dot or ball
+/// extends. Takes some tens of milliseconds per frame.
 SurfaceColors find_surfaces(const SurfaceSearch& search);
 
-/// How much brighter and darker than they were seen surfaces shall stay clear.
+/// Range of light, relative to the light in the frames, in which surfaces shall stay clear.
 struct ClearRange {
   double darkest = 0.5, brightest = 1.6;
-  double noise_sigmas = 2.5;  // so far pixels may scatter
+  double noise_sigmas = 2.5;  // how far pixels may scatter
 };
 
-/// Makes cells clear that surfaces have, or would have in more or less light. The carpet takes cells from any
-/// label, unless `keep` names the cell (a colour of its label that was seen on a robot or ball) and its hue
-/// is none of the carpet's: blue in the shade is as dark as carpet in the shade, and still blue. Floor and
-/// other surfaces take no cell that `keep` names: an orange board does not make the ball's colour clear.
-/// Labels field, white and black stay. Returns the number of cells changed.
+/// Clears cells with colours that surfaces have, or would have in more or less light. Cells with colours of
+/// the carpet are cleared whatever their label, unless `keep` accepts the cell (a colour of its label that
+/// was seen on a robot or ball) and the cell's hue differs from the carpet's: blue in the shade is as dark as
+/// carpet in the shade, but still blue. Cells with colours of the floor or other surfaces are cleared unless
+/// `keep` accepts them: an orange board does not clear the ball's colour. Cells labelled field, white or
+/// black are kept. Returns the number of cells changed.
 std::size_t clear_surfaces(ColorTable& table, const SurfaceColors& surfaces, const ClearRange& range,
                            const std::function<bool(Label, Yuv)>& keep);
 
-/// Field, white and black: surfaces may have these.
+/// True for field, white and black, which surfaces may have.
 bool is_surface_label(Label label);
 
-/// Whether a surface has a colour, or would have it in the light of the range. It keeps nothing of
-/// `surfaces`.
+/// Whether a surface has a colour, or would have it in light within the range. The result holds no reference
+/// to `surfaces`.
 using SurfaceReach = std::function<bool(Yuv)>;
 SurfaceReach reach_of(const SurfaceColors& surfaces, SurfaceKind kind, const ClearRange& range);
 
-/// How much more or less light it takes for a surface to get a label.
+/// Change of the light at which a surface gets a label.
 struct LabelMargin {
   Label label;
   SurfaceKind surface;
-  /// Factors on the light; absent: beyond kMaxFactor either way.
+  /// Factors on the light; none: beyond kMaxFactor or its inverse.
   std::optional<double> brighter, darker;
   static constexpr double kMaxFactor = 2.5;
 };
 
-/// Of every label that a table has, to carpet and floor. A surface has a label when kFloodShare of its pixels
-/// do. Values of pixels are taken to grow with the light; cameras with a gamma have more margin than that.
+/// A surface counts as having a label if this share of its pixels has the label.
 inline constexpr double kFloodShare = 0.004;
-/// Of no use once it was told to stop.
+/// Margins of every label in a table to carpet and floor. Assumes that pixel values are proportional to the
+/// light; cameras with a gamma have more margin. The result is useless after a stop request.
 std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surfaces,
                                        const std::stop_token& stop = {});
 
-/// Whether margins differ by no more than noise and flicker make of them from frame to frame.
+/// Whether margins differ by no more than noise and flicker change them from frame to frame.
 bool about_same(std::span<const LabelMargin> a, std::span<const LabelMargin> b);
 
-/// Every margin shall be as large: lamps differ by that much over a field, and from day to day.
+/// Wanted minimum of all margins: lamps differ by that much over a field, and from day to day.
 inline constexpr double kWantedMargin = 0.30;
-/// Lamps flicker and age by so much: what is nearer floods during a match.
+/// Lamps flicker and age by this much: smaller margins lead to floods during a match.
 inline constexpr double kMinMargin = 0.10;
 
-/// Where a table is nearest to the carpet.
+/// A table's smallest margin to the carpet.
 struct MinMargin {
   Label label;
-  double change;  // of the light, as a share of it: 0.09 is brighter, -0.09 darker
+  double change;  // relative change of the light: 0.09 is brighter, -0.09 darker
 };
-/// Nothing when no margin to the carpet has a limit. Those to the floor do not count: robots and balls stand
-/// on the carpet, so a floor that has a label hides none of them, and learning keeps colours of dots that
-/// the floor has too.
+/// Returns nothing if no margin to the carpet has a limit. Margins to the floor do not count: robots and
+/// balls are on the carpet, so a floor with a label hides no robot or ball, and learning keeps the colours of
+/// dots even if the floor has these colours, too.
 std::optional<MinMargin> min_to_carpet(std::span<const LabelMargin> margins);
 /// "carpet becomes green at +9 %", or "carpet is green now".
 std::string margin_text(std::string_view surface, std::string_view label, double change);

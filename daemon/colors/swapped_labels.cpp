@@ -9,16 +9,18 @@
 namespace sslv {
 namespace {
 
-struct Hue {
+struct PaintHue {
   Label label;
-  double deg;  // angle of (U-128, V-128), as ColorClass has it, of the paint in white light
+  double deg;  // angle of (U-128, V-128), as in ColorClass, of the paint in white light
 };
-constexpr std::array kPaints{Hue{label::kOrange, 128}, Hue{label::kYellow, 166}, Hue{label::kBlue, 329},
-                             Hue{label::kPink, 74}, Hue{label::kGreen, 210}};
+constexpr std::array kPaints{PaintHue{label::kOrange, 128}, PaintHue{label::kYellow, 166},
+                             PaintHue{label::kBlue, 329}, PaintHue{label::kPink, 74},
+                             PaintHue{label::kGreen, 210}};
 
-/// Lamps and cameras without a white balance turn a hue by less.
+/// Lamps and cameras without a white balance shift a hue by less than this.
 constexpr double kOtherHue_deg = 60;
-/// Cells all over the colours have no hue: length of their mean, of their mean length.
+/// Smallest length of the mean chroma, relative to the mean length: cells scattered over all colours have no
+/// hue.
 constexpr double kMinConcentration = 0.5;
 
 double apart_deg(double a_deg, double b_deg) {
@@ -43,13 +45,13 @@ std::vector<SwappedLabel> swapped_labels(const ColorTable& table) {
     sum.length += std::hypot(u, v);
   }
   std::vector<SwappedLabel> out;
-  for (const Hue& paint : kPaints) {
+  for (const PaintHue& paint : kPaints) {
     const Sum& sum = sums[paint.label];
     if (sum.length == 0 || std::hypot(sum.u, sum.v) < kMinConcentration * sum.length) continue;
     const double hue_deg = std::atan2(sum.v, sum.u) * 180 / std::numbers::pi;
     if (apart_deg(hue_deg, paint.deg) <= kOtherHue_deg) continue;
-    std::optional<Hue> nearest;
-    for (const Hue& other : kPaints) {
+    std::optional<PaintHue> nearest;
+    for (const PaintHue& other : kPaints) {
       if (!nearest || apart_deg(hue_deg, other.deg) < apart_deg(hue_deg, nearest->deg)) nearest = other;
     }
     if (nearest->label != paint.label) out.push_back({paint.label, nearest->label});

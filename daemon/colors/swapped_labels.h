@@ -7,14 +7,15 @@
 
 namespace sslv {
 
-/// A label whose cells have the hue of another.
+/// A label whose cells have the hue of another label.
 struct SwappedLabel {
   Label label, looks_like;
 };
 
-/// Labels of the ball and of the league's patterns that a table gives to colours of another of them: pink to
-/// green, for instance, which makes every robot one with another id. Orange, yellow and green lie too near
-/// each other for that; such a mistake loses robots.
+/// Labels of the ball and of the league's patterns whose cells have the colour of another such label: a table
+/// that labels green as pink, for instance, gives every robot another id. Swaps among orange, yellow and
+/// green are not found, because their hues are too close to each other; with such a swap, robots are not
+/// detected.
 std::vector<SwappedLabel> swapped_labels(const ColorTable& table);
 
 }  // namespace sslv

@@ -2,6 +2,7 @@
 #include "colors/table_edit.h"
 
 #include "base/error.h"
+#include "base/statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +18,7 @@
 namespace sslv {
 namespace {
 
-/// A cell by its place in each channel.
+/// A cell by its index in each channel.
 struct Cell {
   int y, u, v;
 };
@@ -31,7 +32,7 @@ Cell cell_at(const ColorTable& table, std::size_t index) {
   return {static_cast<int>(index & mask), static_cast<int>(index >> (2 * table.bits)),
           static_cast<int>(index >> table.bits & mask)};
 }
-/// 8-bit levels of a cell, each way.
+/// Width of a cell in 8-bit levels.
 int step_of(const ColorTable& table) {
   return 256 >> table.bits;
 }
@@ -40,7 +41,7 @@ Cell cell_of(const ColorTable& table, const Levels& at) {
   return {at[0] / step, at[1] / step, at[2] / step};
 }
 
-/// Sets cells in rising order and keeps what changed.
+/// Sets cells in ascending order and records the changes.
 class Brush {
  public:
   explicit Brush(ColorTable& table) : table_(table) {}
@@ -64,7 +65,7 @@ class Brush {
   std::vector<CellRun> runs_;
 };
 
-/// Cells from low to high, both included, each way.
+/// Box of cells from low to high, both included.
 struct CellBox {
   Cell low, high;
 
@@ -74,7 +75,7 @@ struct CellBox {
            static_cast<std::size_t>(row());
   }
   int row() const { return high.y - low.y + 1; }
-  /// Of the row of cells (low.y .. high.y, u, v) in an array of the box' cells.
+  /// Index of the row of cells (low.y .. high.y, u, v) in an array of the box's cells.
   std::size_t row_at(int u, int v) const {
     return static_cast<std::size_t>((u - low.u) * (high.v - low.v + 1) + (v - low.v)) *
            static_cast<std::size_t>(row());
@@ -86,7 +87,7 @@ struct CellBox {
   }
 };
 
-/// Calls with each cell's place in the table, in rising order.
+/// Calls `call` with each cell's index in the table and the cell, in ascending order.
 template <class Call>
 void for_cells(const ColorTable& table, const CellBox& box, const Call& call) {
   for (int u = box.low.u; u <= box.high.u; ++u) {
@@ -157,7 +158,7 @@ void apply(const FillEdit& edit, ColorTable& table, Brush& brush) {
   const Label old = table.labels[index_of(table, from)];
   if (old == edit.label) return;
   std::vector<bool> found(table.labels.size());
-  std::vector<std::size_t> open;  // found, neighbours not looked at yet
+  std::vector<std::size_t> open;  // found cells whose neighbours were not visited yet
   const auto look_at = [&](const Cell& cell) {
     const int last = table.side() - 1;
     if (std::min({cell.y, cell.u, cell.v}) < 0 || std::max({cell.y, cell.u, cell.v}) > last) return;
@@ -183,8 +184,8 @@ void apply(const FillEdit& edit, ColorTable& table, Brush& brush) {
 
 // ---- shapes of labels
 
-/// For each cell of the box the squared distance to the nearest cell for which `there` holds, up to `most`
-/// cells; larger when there is none.
+/// For each cell of the box, the squared distance in cells to the nearest cell whose label `there` accepts;
+/// more than most^2 if no such cell is within `most` cells.
 template <class There>
 std::vector<std::uint16_t> squared_distances(const ColorTable& table, const CellBox& box, int most,
                                              const There& there) {
@@ -205,7 +206,7 @@ std::vector<std::uint16_t> squared_distances(const ColorTable& table, const Cell
       }
     }
   }
-  // Along the other two channels: rows that lie `off` apart count off^2 more.
+  // Along the other two channels: a row at distance d adds d^2.
   for (const bool along_u : {false, true}) {
     const std::vector<std::uint16_t> before = distance;
     for (int u = box.low.u; u <= box.high.u; ++u) {
@@ -245,7 +246,7 @@ void apply(const GrowEdit& edit, ColorTable& table, Brush& brush) {
 void apply(const ShrinkEdit& edit, ColorTable& table, Brush& brush) {
   const CellBox of_label = box_of(table, edit.label);
   if (of_label.empty()) return;
-  // The cells around it count as not its own; what lies beyond the cube does not count.
+  // Cells around the box count as other labels; beyond the cube, there are no cells.
   const CellBox box = of_label.grown(1, table.side());
   const auto distances =
       squared_distances(table, box, edit.cells, [&](Label label) { return label != edit.label; });
@@ -260,12 +261,12 @@ void apply(const SmoothEdit& edit, ColorTable& table, Brush& brush) {
   const CellBox of_label = box_of(table, edit.label);
   if (of_label.empty()) return;
   const CellBox box = of_label.grown(1, table.side());
-  std::vector<std::uint8_t> votes(box.size());  // cells of the label among the 27 around
+  std::vector<std::uint8_t> votes(box.size());  // number of the 27 cells around with the label
   const auto row = static_cast<std::size_t>(box.row());
   std::size_t i = 0;
   for_cells(table, box,
             [&](std::size_t place, const Cell&) { votes[i++] = table.labels[place] == edit.label; });
-  // One channel after the other: with its two neighbours.
+  // Sums 3 x 3 x 3 cells, one channel after the other.
   const auto add_neighbours = [&](std::size_t stride, auto place_in_channel, int last) {
     const std::vector<std::uint8_t> alone = votes;
     for (std::size_t k = 0; k < votes.size(); ++k) {
@@ -311,7 +312,7 @@ void apply(const RemoveEdit& edit, ColorTable& table, Brush& brush) {
 
 // ---- clusters
 
-/// Cells within so many standard deviations of a cluster's middle are its.
+/// Cells within this many standard deviations of a cluster's middle belong to it.
 constexpr double kReach = 3;
 /// Pixels beyond this squared Mahalanobis distance are outliers: 1 % of a normal distribution in three
 /// dimensions.
@@ -323,13 +324,7 @@ struct Ellipsoid {
   Eigen::Matrix3d covariance;
 };
 
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-/// Begins with medians, which a half of wrong pixels does not move, and goes on with those that fit.
+/// Starts from medians, which withstand up to 50 % outliers, and continues with the pixels that fit.
 Ellipsoid ellipsoid_of(const std::vector<Yuv>& pixels, double min_variance) {
   std::vector<Eigen::Vector3d> colors;
   colors.reserve(pixels.size());
@@ -366,7 +361,7 @@ Ellipsoid ellipsoid_of(const std::vector<Yuv>& pixels, double min_variance) {
 template <class Call>
 void for_cells_of_cluster(const ColorTable& table, const ColorCluster& cluster, const Call& call) {
   const int step = step_of(table), last = table.side() - 1;
-  // A single pixel reaches its cell's neighbours: a level and a half of noise, or what a cell is wide.
+  // Makes a single pixel reach its cell's neighbours: 1.5 levels of noise, or the width of a cell.
   const double min_variance = std::pow(std::max(1.5, 1.01 * step / kReach), 2);
   Ellipsoid all;
   if (cluster.spread) {
@@ -379,7 +374,7 @@ void for_cells_of_cluster(const ColorTable& table, const ColorCluster& cluster, 
     }
   } else if (!cluster.pixels.empty()) {
     all = ellipsoid_of(cluster.pixels, min_variance);
-    // A pixel stands for the whole cell it lies in.
+    // A single pixel stands for its whole cell.
     if (cluster.pixels.size() == 1) {
       const Cell cell = cell_of(table, {cluster.pixels[0].y, cluster.pixels[0].u, cluster.pixels[0].v});
       all.mean = Eigen::Vector3d(cell.y, cell.u, cell.v) * step + Eigen::Vector3d::Constant((step - 1) / 2.0);
@@ -443,9 +438,10 @@ void set_all(const ColorTable& all, ColorTable& table, Brush& brush) {
 }
 
 void apply(const WidenMarginsEdit& edit, ColorTable& table, Brush& brush) {
-  const Lut lut(table);  // knows what is typical of its labels
+  const Lut lut(table);  // for the typical chromaticities of its labels
   ColorTable widened = table;
-  // What is typical of a label is a guess here, unlike the dots of an image: the carpet goes first.
+  // The carpet has priority, because the colours typical of a label are only a guess here, unlike the colours
+  // of dots in an image.
   const SurfaceReach carpet = reach_of(*edit.surfaces, SurfaceKind::kCarpet, edit.range);
   clear_surfaces(widened, *edit.surfaces, edit.range, [&](Label label, Yuv color) {
     if (carpet(color)) return false;
@@ -455,7 +451,8 @@ void apply(const WidenMarginsEdit& edit, ColorTable& table, Brush& brush) {
     return std::hypot(rgb.r / sum - mean[0], rgb.g / sum - mean[1], rgb.b / sum - mean[2]) <=
            lut.chromaticity_spread(label);
   });
-  // What the surfaces take from one side of a label does not change what its prints look like.
+  // Keeps the labels' chromaticities as prints. Otherwise they would shift, because surfaces take cells from
+  // only one side of a label.
   const auto unit = [](double value) {
     return static_cast<std::uint16_t>(std::lround(PrintColor::kUnit * value));
   };
@@ -525,7 +522,7 @@ std::vector<CellRun> apply_edit(ColorTable& table, const TableEdit& edit) {
   if (const auto* whole = std::get_if<SetTableEdit>(&edit)) {
     table.prints = whole->table.prints;
   } else {
-    // Cells that a label gets tell more of its colours than its prints do.
+    // The cells that a label gets describe its colours better than its print.
     for (const CellRun& run : changed) table.prints[run.after].reset();
   }
   return changed;

@@ -17,15 +17,16 @@
 
 namespace sslv {
 
-// What one can do to a table. Colours and radii are in 8-bit levels, ordered y, u, v, whatever the table's
-// bits; a place belongs to the cell it lies in, and a radius counts from the middle of that cell.
+// Edits of a table. Colours and radii are in 8-bit levels, ordered y, u, v, independently of the table's
+// number of bits. A colour stands for the cell that contains it, and a radius counts from the middle of that
+// cell.
 
 using Levels = std::array<int, 3>;  // y, u, v
 
-/// Which cells an edit may take.
+/// The cells that an edit may change.
 enum class Over {
   kAny,
-  kClear,  // only those that are clear
+  kClear,  // only clear cells
 };
 enum class Shape { kBall, kBox };
 
@@ -35,17 +36,18 @@ struct PaintEdit {
   Shape shape = Shape::kBall;
   Over over = Over::kAny;
 };
-/// Makes clear.
+/// Clears cells.
 struct EraseEdit {
   Levels at, radius;
   Shape shape = Shape::kBall;
-  std::optional<Label> only = {};  // absent: whatever is there
+  std::optional<Label> only = {};  // none: any label
 };
-/// Flood fill: the cells of one label that hang together with the one at `at`, by their faces.
+/// Flood fill of the cells that have the same label as the cell at `at` and are connected to it by their
+/// faces.
 struct FillEdit {
   Label label;
   Levels at;
-  bool all_lumas = false;  // else only in the slice of that Y
+  bool all_lumas = false;  // false: only in the slice of that Y
 };
 struct GrowEdit {
   Label label;
@@ -56,48 +58,48 @@ struct ShrinkEdit {
   Label label;
   int cells = 1;
 };
-/// A cell that most of its 26 neighbours outvote changes sides: single cells go, holes close, edges even out.
-/// Only clear cells become the label's.
+/// Majority vote of a cell's 26 neighbours: removes single cells, closes holes, smooths edges. Only clear
+/// cells can get the label.
 struct SmoothEdit {
   Label label;
 };
 struct ReplaceEdit {
   Label from, to;
 };
-/// Makes all of a label clear.
+/// Clears all cells of a label.
 struct RemoveEdit {
   Label label;
 };
-/// The colours of a thing: pixels of it, or what they are like.
+/// The colours of an object: some of its pixels, or the distribution of its colours.
 struct ColorCluster {
   std::vector<Yuv> pixels;
-  /// Instead of pixels.
+  /// Used instead of pixels.
   struct Spread {
     std::array<double, 3> mean;                       // y, u, v
     std::array<std::array<double, 3>, 3> covariance;  // of y, u, v
   };
   std::optional<Spread> spread = {};
 };
-/// Cells in the ellipsoid of the cluster; outliers among pixels do not count.
+/// Adds the cells in the cluster's ellipsoid; outliers among pixels do not count.
 struct AddClusterEdit {
   Label label;
   ColorCluster cluster;
   Over over = Over::kAny;
-  /// Clear cells of such colours stay clear; absent: none do. When all of the cluster has them, somebody
-  /// pointed at just that, and none do either.
+  /// Clear cells of these colours stay clear; empty: no such colours. Has no effect if all cells of the
+  /// cluster have such colours, because then the user pointed at exactly such a colour.
   SurfaceReach stays_clear = {};
 };
 struct RemoveClusterEdit {
-  std::optional<Label> only = {};  // absent: whatever is there
+  std::optional<Label> only = {};  // none: any label
   ColorCluster cluster;
 };
-/// Makes clear what carpet and floor have, or would have in the light of the range. The floor and other
-/// surfaces take no colour that is typical of its label.
+/// Clears the cells whose colours carpet and floor have, or would have in light within the range. Cells whose
+/// colour is typical of their label are not cleared because of the floor or other surfaces.
 struct WidenMarginsEdit {
   std::shared_ptr<const SurfaceColors> surfaces;
   ClearRange range = {};
 };
-/// A whole table takes the place of this: learnt, imported, copied. Of the same bits.
+/// Replaces the table by another table with the same number of bits, which was learnt, imported or copied.
 struct SetTableEdit {
   ColorTable table;
   std::string what;  // "imported robots.lut"
@@ -106,37 +108,37 @@ struct SetTableEdit {
 using TableEdit = std::variant<PaintEdit, EraseEdit, FillEdit, GrowEdit, ShrinkEdit, SmoothEdit, ReplaceEdit,
                                RemoveEdit, AddClusterEdit, RemoveClusterEdit, WidenMarginsEdit, SetTableEdit>;
 
-/// Reads e.g. {"op": "paint", "label": "pink", "shape": "ball", "at": [131, 148, 216], "radius": [8, 4, 4],
-/// "over": "clear"}. All but what takes a table or surfaces can be read. Throws SettingsError, beginning with
-/// `path`: key, value, what is allowed.
+/// Reads an edit such as {"op": "paint", "label": "pink", "shape": "ball", "at": [131, 148, 216], "radius":
+/// [8, 4, 4], "over": "clear"}. WidenMarginsEdit and SetTableEdit cannot be read. Throws SettingsError with
+/// `path`, the key, the value and the allowed values.
 TableEdit read_table_edit(const Json& json, const std::string& path,
                           const LabelSet& labels = LabelSet::built_in());
 
-/// For people: "painted pink".
+/// For the user: "painted pink".
 std::string what_it_did(const TableEdit& edit, const LabelSet& labels = LabelSet::built_in());
 
-/// Edits the table and says what changed, ordered by cell; nothing for an edit without effect. A label that
-/// gets cells has no print any more: its cells tell what it looks like. Throws SettingsError when a set table
-/// has other bits.
+/// Edits the table and returns the changes, ordered by cell; empty for an edit without effect. A label that
+/// gets cells loses its print, because then its cells describe its colours. Throws SettingsError if a
+/// SetTableEdit has another number of bits.
 std::vector<CellRun> apply_edit(ColorTable& table, const TableEdit& edit);
 
-/// How many cells of the cluster stay clear by `stays_clear` when the edit is applied to this table.
+/// Number of cells of the cluster that `stays_clear` keeps clear when the edit is applied to this table.
 std::size_t cells_left_clear(const ColorTable& table, const AddClusterEdit& edit);
 
-/// What it takes to turn one table into another of the same bits.
+/// Changes that turn one table into another one with the same number of bits.
 std::vector<CellRun> difference(const ColorTable& from, const ColorTable& to);
 
-/// Two colours that meet in the table: a little noise turns one into the other.
+/// Two labels that touch in the table: a little noise turns one into the other.
 struct TableConflict {
   Label a = 0, b = 0;       // a < b
-  std::size_t cells = 0;    // of either that have the other for a neighbour
-  std::vector<Yuv> places;  // the first of them: middles of cells of `a`
+  std::size_t cells = 0;    // number of cells next to a cell of the other label
+  std::vector<Yuv> places;  // the first such cells: middles of cells of `a`
 };
 struct TableStatistics {
-  std::array<std::size_t, label::kMaxCount> cells{};  // of each label
-  std::vector<TableConflict> conflicts;               // the largest first
+  std::array<std::size_t, label::kMaxCount> cells{};  // number of cells of each label
+  std::vector<TableConflict> conflicts;               // largest conflict first
 };
-/// Up to `max_places` places for each pair. Field, white, black and clear are no colours here.
+/// With up to `max_places` places for each pair. Field, white, black and clear cause no conflicts.
 TableStatistics table_statistics(const ColorTable& table, std::size_t max_places = 50);
 
 }  // namespace sslv

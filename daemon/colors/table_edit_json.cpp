@@ -15,7 +15,7 @@ namespace {
 constexpr int kMaxEditCells = 16;
 constexpr std::size_t kMaxPixels = 100'000;
 
-/// The keys of one edit. Every key that is asked for is known; finish() refuses all others.
+/// The keys of one edit. finish() refuses all keys that were not requested.
 class Keys {
  public:
   Keys(const Json& json, const std::string& path, const LabelSet& labels)
@@ -153,7 +153,7 @@ struct Op {
   TableEdit (*read)(Keys&);
 };
 
-// Braces: members are read in their order.
+// Braces guarantee that members are read in this order.
 constexpr Op kOps[] = {
     {"paint",
      [](Keys& keys) -> TableEdit {

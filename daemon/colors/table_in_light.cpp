@@ -13,13 +13,15 @@ namespace sslv {
 namespace {
 
 constexpr int kSide = 1 << Lut::kBits, kCellLevels = 256 >> Lut::kBits;
-/// A channel from here on may be at its end; noise included.
-constexpr float kFull = 248;
-/// Colours this far outside of what a screen can show come from no camera.
+/// From this level on, a channel may be clipped, considering noise.
+constexpr float kClipped = 248;
+/// No camera gives colours further outside the RGB cube than this.
 constexpr float kFarOut = 24;
-/// Areas this much apart in light need a look each: tables hold over more.
+/// Factor between the light levels in which colours are looked up: tables tolerate a larger factor.
 constexpr double kAreaStep = 1.2;
-/// What a label's colours may lie apart by noise, in cells each way, and so what a darker scale takes away.
+/// kNoiseCells: spread of a label's colours due to noise, in cells in each direction. If light becomes weaker
+/// by some share, the label's cells lose this share of the spread. grow() restores it, up to kMaxGrowth
+/// cells.
 constexpr double kNoiseCells = 3, kMaxGrowth = 2;
 
 using Color = std::array<float, 3>;  // red, green, blue
@@ -28,10 +30,10 @@ bool is_color(Label label) {
   return label != label::kClear && label != label::kField && label != label::kWhite && label != label::kBlack;
 }
 
-/// All cells of one chroma.
+/// The labels of all cells of one chroma, by luma.
 using Column = std::array<Label, kSide>;
 
-/// The middle of a cell.
+/// The level at a cell's middle.
 float middle(int cell) {
   return static_cast<float>(cell * kCellLevels) + static_cast<float>(kCellLevels - 1) / 2;
 }
@@ -40,7 +42,7 @@ inline std::uint8_t byte(float value) {
   return static_cast<std::uint8_t>(static_cast<int>(std::min(std::max(value + 0.5F, 0.0F), 255.0F)));
 }
 
-constexpr float kPerBlue = 0.564334F, kPerRed = 0.713267F;  // BT.601, as image/color.h
+constexpr float kPerBlue = 0.564334F, kPerRed = 0.713267F;  // BT.601, as in image/color.h
 inline float luma_of(float red, float green, float blue) {
   return 0.299F * red + 0.587F * green + 0.114F * blue;
 }
@@ -52,7 +54,7 @@ class Past {
     for (std::size_t c = 0; c < 3; ++c) per_gain_[c] = static_cast<float>(1 / gain[c]);
   }
 
-  /// The labels of today's colours of one chroma.
+  /// The labels of the current colours of one chroma.
   void look(float u, float v, Column& out) const {
     u -= 128;
     v -= 128;
@@ -80,7 +82,7 @@ class Past {
       const float luma = middle(i);
       const Color current{luma + chroma[0], luma + chroma[1], luma + chroma[2]};
       const auto [least, brightest] = std::minmax({current[0], current[1], current[2]});
-      if (brightest < kFull) break;
+      if (brightest < kClipped) break;
       if (brightest < 255 + kFarOut && least > -kFarOut)
         out[static_cast<std::size_t>(i)] = label_of_full(current);
     }
@@ -89,7 +91,7 @@ class Past {
  private:
   using Bytes = std::array<std::uint8_t, kSide>;
 
-  /// Whether the table is clear, whatever the luma, for all chromas from the least to the greatest of these.
+  /// Whether the table is clear at every luma for all chromas in the range of `us` and `vs`.
   bool is_clear(const Bytes& us, const Bytes& vs) const {
     constexpr int kShift = 8 - LutTable::kChromaBits;
     std::uint8_t min_u = 255, max_u = 0, min_v = 255, max_v = 0;
@@ -112,17 +114,18 @@ class Past {
     return std::min(current * per_gain, std::max(current, 255.0F));
   }
 
-  /// Of all the colours that a camera shows alike once channels are at their end. One of the prints' colours
-  /// it is when any of them is one. Most must be one beside a named background, and where all channels are
-  /// at their end: that is white.
+  /// The label of a colour with clipped channels, by a vote of all colours that it may have been without
+  /// clipping. One vote is enough for a print's label if "clear" has the most votes of the labels that no
+  /// print has. If field, white or black has the most of these votes, or if all three channels are clipped,
+  /// as in white, the print's label needs more votes than the leader.
   Label label_of_full(const Color& current) const {
-    constexpr std::array<std::size_t, 4> kSteps{1, 6, 5, 4};  // by the number of such channels
+    constexpr std::array<std::size_t, 4> kSteps{1, 6, 5, 4};  // by the number of clipped channels
     Color then;
     std::array<bool, 3> full;
     std::size_t count = 0;
     for (std::size_t c = 0; c < 3; ++c) {
       then[c] = scaled(current[c], per_gain_[c]);
-      full[c] = current[c] >= kFull && per_gain_[c] < 1;
+      full[c] = current[c] >= kClipped && per_gain_[c] < 1;
       count += full[c] ? 1 : 0;
     }
     const std::size_t steps = kSteps[count];
@@ -157,7 +160,8 @@ class Past {
   Color per_gain_;
 };
 
-/// The lights to look in: that of the whole image first, then those further and further away.
+/// The light levels in which colours are looked up: the level of the whole image first, then increasingly
+/// different levels.
 std::vector<Past> lights_of(const Lut& accepted, const LightChange& change) {
   std::vector<double> factors{1};
   for (double f = kAreaStep; f < change.brightest_area * std::sqrt(kAreaStep); f *= kAreaStep)
@@ -175,7 +179,7 @@ std::vector<Past> lights_of(const Lut& accepted, const LightChange& change) {
   return out;
 }
 
-/// Gives clear cells beside a colour its label.
+/// Gives clear cells next to a cell with a print's label the same label.
 void grow(std::vector<Label>& labels) {
   constexpr std::size_t kSteps[3] = {kSide * kSide, kSide, 1};
   std::vector<std::pair<std::size_t, Label>> grown;

@@ -9,24 +9,23 @@
 
 namespace sslv {
 
-/// How light differs from that in which a table was accepted.
+/// Change of the light since a table was accepted.
 struct LightChange {
-  std::array<double, 3> gain{1, 1, 1};  // of red, green and blue, in the whole image
-  /// Where light is uneven in another way than it was: the least and the greatest factor on `gain` that parts
-  /// of the image have.
+  std::array<double, 3> gain{1, 1, 1};  // factors on red, green and blue, in the whole image
+  /// Smallest and largest factor on `gain` of any area, if the distribution of the light has changed.
   double darkest_area = 1, brightest_area = 1;
 
   bool operator==(const LightChange&) const = default;
 };
 
 /// The table as it would be if it had been made in the current light: a colour gets the label that the same
-/// thing had then. Works with every table, since only its cells count.
+/// object had when the table was accepted. Works with every table, because only the table's cells are used.
 ///
-/// Three things are more than a change of scale. A channel at its upper end may have been anything beyond, so
-/// what most of that were counts. Where areas differ, a colour of any of them counts, the middle light first,
-/// and what is named as field, white or black stays that. In weak light noise stays as strong while colours
-/// move together, so labels of colours grow into clear cells by what the scale took from them, up to two
-/// cells. Prints change with the light's colour.
+/// Three effects are more than a change of scale. A clipped channel may have been brighter by any amount, so
+/// the labels of all possible colours vote. If areas differ in light, a label found in the light of any area
+/// counts, average light first, but cells labelled field, white or black keep their label. In weak light
+/// noise stays as strong while colours move closer together, so the labels of prints grow into clear cells by
+/// the amount that the scaling removed, up to two cells. Prints change with the light's colour.
 ColorTable table_in_light(const Lut& accepted, const LightChange& change);
 
 }  // namespace sslv

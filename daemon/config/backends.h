@@ -10,42 +10,44 @@
 
 namespace sslv {
 
-/// Every capture backend a camera's "source" may name.
+/// Every capture backend that a camera's "source" may name.
 std::span<const Backend> backend_table();
 
-/// A backend that this program was built without, for want of a library.
+/// A backend that this program was built without because its library was missing.
 struct MissingBackend {
   std::string_view name;
-  std::string_view package;  // of Debian, that brings the library when building
+  std::string_view package;  // Debian package of the library for building
 };
 std::span<const MissingBackend> missing_backends();
 
-/// The named backend; throws SettingsError, beginning with `path`, that lists the known ones or says what a
-/// missing one needs.
+/// Returns the named backend. Throws SettingsError, beginning with `path`, that lists the known backends or
+/// names the package that a missing backend needs.
 const Backend& find_backend(const std::string& name, const std::string& path);
 const Backend& find_backend(std::span<const Backend> backends, std::span<const MissingBackend> missing,
                             const std::string& name, const std::string& path);
 
-/// A camera's "source" with its backend's defaults written out. Throws SettingsError, beginning with `path`.
+/// Returns a camera's "source" with its backend's defaults filled in. Throws SettingsError, beginning with
+/// `path`.
 Json complete_source(const Json& source, const std::string& path);
 
-/// The camera of a complete "source": itself, or that of which a tile shows a part.
+/// Returns the camera of a complete "source": the source itself or, for a tile, the source of the whole
+/// image.
 const Json& camera_source(const Json& source);
 
-/// What tells the camera or folder of a complete "source" from others; one of its controls does not.
+/// Identifies the camera or folder of a complete "source", independently of its controls.
 std::string device_of(const Json& source);
 
-/// Opens what a complete "source" says. Throws CaptureError.
+/// Opens a complete "source". Throws CaptureError.
 std::unique_ptr<Source> open_source(const Json& source, const SourceContext& context);
 
-/// Cameras that could be opened now, of all backends. Takes about a second.
+/// Returns the cameras of all backends that could be opened now. Takes about a second.
 std::vector<FoundCamera> found_cameras();
-/// One as docs/openapi.json has it, but for what uses it.
+/// Returns a found camera as in docs/openapi.json, but without its users.
 Json found_camera_json(const FoundCamera& found);
-/// All names by which the settings may call the camera that this source opens, those of `found` among them. A
-/// source without a name opens the first one that is found.
+/// Returns all names that the settings may use for the camera that this source opens, including those in
+/// `found`. A source without a name opens the first camera found.
 std::vector<std::string> names_of_camera(const Json& source, std::span<const FoundCamera> found);
-/// Those for a terminal, with the settings lines to paste.
+/// Text about the found cameras for a terminal, with the settings lines to paste.
 std::string found_cameras_text(const Json& found);
 
 }  // namespace sslv

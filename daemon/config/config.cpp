@@ -26,8 +26,8 @@ std::string camera_path(std::size_t i) {
   return fmt::format("/cameras/{}", i);
 }
 
-/// Throws SettingsError where simulated cameras would have more pixels together than a computer has room for.
-/// Tiles of one big camera share it.
+/// Throws SettingsError if simulated cameras together have more pixels than fit into a computer's memory.
+/// Tiles of one camera count once.
 void check_simulated(const std::vector<CameraSettings>& cameras) {
   std::set<std::string> counted;
   std::int64_t pixels = 0;
@@ -44,7 +44,7 @@ void check_simulated(const std::vector<CameraSettings>& cameras) {
   }
 }
 
-/// From version 1 to 2: the limits of follow_light are called max_ and min_.
+/// From version 1 to 2: renames the limits of follow_light to max_ and min_.
 void rename_light_limits(Json& tree) {
   constexpr std::array<std::pair<const char*, const char*>, 5> kNames{
       {{"most_brightness", "max_brightness"},
@@ -58,7 +58,7 @@ void rename_light_limits(Json& tree) {
     Json& light = camera["follow_light"];
     if (!light.is_object()) continue;
     for (const auto& [old_name, new_name] : kNames) {
-      // A tree with both keys is refused when it is checked.
+      // A tree with both keys is refused by validation.
       if (!light.contains(old_name) || light.contains(new_name)) continue;
       Json value = std::move(light[old_name]);
       light.erase(old_name);
@@ -67,8 +67,8 @@ void rename_light_limits(Json& tree) {
   }
 }
 
-/// Other computers are used for tracks only if they are named. Whether they all were
-/// before is no name of any.
+/// Other computers are used for tracks only if they are named. The earlier setting, all or none, names no
+/// computer.
 void name_other_computers(Json& tree) {
   if (!tree.is_object() || !tree.contains("field") || !tree["field"].is_object()) return;
   Json& field = tree["field"];
@@ -76,13 +76,14 @@ void name_other_computers(Json& tree) {
     field["other_computers"] = Json::array();
 }
 
-/// The last seconds could hold only parts of images.
+/// The memory of the cameras' newest images (last_seconds) can no longer hold only parts of images.
 void keep_whole_images(Json& tree) {
   const Json::json_pointer images("/recording/last_seconds/images");
   if (tree.is_object() && tree.contains(images) && tree[images] == "found") tree[images] = "whole";
 }
 
-/// Settings are stored with all keys, so 0 is the old default; no field of the rules has none.
+/// Removes a width of 0: settings are stored with all keys, so 0 is the old default, and every field in the
+/// rules has such an area.
 void forget_missing_substitution_area(Json& tree) {
   const std::string key = "goal_substitution_area_width";
   if (!tree.is_object() || !tree.contains("field") || !tree["field"].is_object()) return;
@@ -96,7 +97,7 @@ void to_version_3(Json& tree) {
   keep_whole_images(tree);
 }
 
-/// Throws SettingsError, beginning with `path`, for a text that is no IPv4 address of a computer.
+/// Throws SettingsError, beginning with `path`, for a text that is not the IPv4 address of a computer.
 void check_computers(const std::vector<std::string>& addresses, const std::string& path) {
   for (std::size_t i = 0; i < addresses.size(); ++i) {
     boost::system::error_code error;
@@ -106,7 +107,7 @@ void check_computers(const std::vector<std::string>& addresses, const std::strin
   }
 }
 
-/// Of a camera or the field: what of its stack runs, and with which parameters.
+/// Determines which stages of a camera's or the field's stack run, and their parameters.
 template <class Floor, class Part>
 void read_stack(Part& part, std::span<const BasicStageType<Floor>> table, const std::string& path,
                 MissingStages missing) {
@@ -157,7 +158,8 @@ Json complete_settings(const Json& settings) {
 
 namespace {
 
-/// Names and parameters of a floor's stages, where the schema has only texts and objects.
+/// Adds the names and parameters of a table's stages to the schema, which so far allows any texts and objects
+/// there.
 template <class Floor>
 void add_stages(std::span<const BasicStageType<Floor>> table, Json& of_stack, Json& of_stages) {
   of_stages["additionalProperties"] = false;
@@ -222,7 +224,7 @@ CameraContext make_context(const Config& config, std::size_t i, std::shared_ptr<
   }
 
   if (patterns) {
-    // Somebody has them already.
+    // The caller has them already.
   } else if (config.patterns_file.empty()) {
     patterns = std::shared_ptr<const PatternTable>(&league_patterns(), [](const PatternTable*) {});
   } else {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The settings tree: what every key is. Each part declares its own fields; this file puts them together.
+// The settings tree. Each part declares its own fields; this file combines them.
 
 #include "base/json.h"
 #include "base/params.h"
@@ -58,12 +58,12 @@ struct TeamsSettings {
   }
 };
 
-/// The field, and what is made of all that its cameras see.
+/// The field, and the processing of everything its cameras detect.
 struct FieldSettings : FieldSize {
   std::vector<std::string> stack = default_field_stack();
   Json stages = Json::object();
-  // By read_config(): the parameters of `stages`, by the table of the field's stages, and what of `stack`
-  // runs.
+  // Set by read_config(): the parameters of `stages` in the order of the field's stage table, and the stages
+  // of `stack` that run.
   std::vector<StageParams> stage_params{};
   RunningStack running{};
   std::vector<std::string> other_computers{};
@@ -126,7 +126,8 @@ struct CameraSettings {
   MaskSettings mask;
   std::vector<std::string> stack = default_stack();
   Json stages = Json::object();
-  // By read_config(): the parameters of `stages`, by the table of stages, and what of `stack` runs.
+  // Set by read_config(): the parameters of `stages` in the order of the stage table, and the stages of
+  // `stack` that run.
   std::vector<StageParams> stage_params{};
   RunningStack running{};
   ThreadSettings thread;
@@ -178,32 +179,33 @@ struct Config {
   }
 };
 
-/// Reads a tree that may be incomplete, each part once. Throws SettingsError for whatever is not allowed:
-/// unknown keys, values out of range, two cameras with one id, an impossible stack, a calibration that is no
-/// camera.
+/// Reads each part of a settings tree once; the tree may be incomplete. Throws SettingsError for anything
+/// that is not allowed: unknown keys, values out of range, two cameras with one id, an impossible stack, a
+/// calibration that no camera can have.
 Config read_config(const Json& settings);
 
-/// How settings of earlier versions become current ones. To change what settings mean: one more function at
+/// Migrations of settings from earlier versions. To change the meaning of settings, add one more function at
 /// the end, and a test.
 const Migrations& settings_migrations();
 
-/// The whole tree with every default written out. Throws as read_config does.
+/// Returns the whole tree with every default filled in. Throws like read_config().
 Json complete_settings(const Json& settings);
 
 /// JSON Schema (2020-12) of the tree, with the stages' and backends' own parameters.
 Json settings_schema();
 
-/// How the ball moves by the settings, in the tracker's units; as usual in the league where they do not say.
+/// Returns the ball model of the settings, in the tracker's units (mm, s); the league's usual values if they
+/// have none.
 BallModel ball_model_of(const Config& config);
 
-/// The colour table that the service has saved under a name; null: use what the settings say besides. Throws
+/// Returns the colour table that the service saved under a name; null: use the other colour settings. Throws
 /// SettingsError, beginning with `path`.
 using LoadTable = std::function<std::shared_ptr<const Lut>(const std::string& name, const std::string& path,
                                                            const LabelSet& labels)>;
 
-/// What the frames of the camera at place `i` of the list mean. Reads the pattern table unless `patterns` is
-/// given, and the colour table unless `lut` is; throws SettingsError when their files cannot be used. Without
-/// `load_table` a saved table cannot.
+/// Returns the context for frames of the camera at index `i`. Reads the pattern table if `patterns` is null,
+/// and the colour table if `lut` is null. Throws SettingsError if their files are not usable, and for a
+/// saved colour table without `load_table`.
 CameraContext make_context(const Config& config, std::size_t i, std::shared_ptr<const Lut> lut = nullptr,
                            const LoadTable& load_table = {},
                            std::shared_ptr<const PatternTable> patterns = nullptr);

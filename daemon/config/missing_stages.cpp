@@ -28,7 +28,7 @@ std::string listed(std::string_view before, const std::vector<std::string>& name
   return fmt::format("{} stage{} {}", before, names.size() == 1 ? "" : "s", quoted_list(names));
 }
 
-/// Whether a stack of it names the stage, or it has parameters of it.
+/// Whether a stack of the settings names the stage, or the settings have parameters for it.
 bool is_named(const Config& config, const std::string& name) {
   const auto has = [&](const auto& part) {
     return std::ranges::find(part.stack, name) != part.stack.end() || part.stages.contains(name);
@@ -37,7 +37,7 @@ bool is_named(const Config& config, const std::string& name) {
          std::ranges::any_of(config.cameras, [&](const CameraSettings& camera) { return has(camera); });
 }
 
-/// Whether parameters are refused in it for this reason, which names their place.
+/// Whether the settings have parameters that a stage refuses for this reason, which contains their path.
 bool is_refused(const Config& config, const std::string& why) {
   const auto has = [&](const RunningStack& running) {
     return std::ranges::find(running.refused, why, &RefusedStage::why) != running.refused.end();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Stages that settings name and that are not there, because their library is not.
+// Stages that settings name but whose library is missing.
 
 #include "config/config.h"
 
@@ -9,15 +9,16 @@
 
 namespace sslv {
 
-/// "without the stage 'tags', which is not there; 'aim' needs what is missing and does not run either".
-/// Empty: all are running.
+/// For example "without the stage 'tags', which is not there; 'aim' needs what is missing and does not run
+/// either". Empty if all stages run.
 std::string missing_text(const RunningStack& running);
 
-/// What an admin can do about it; names the libraries that were left out, and why.
+/// Instructions for an admin; with the libraries that were left out, and the reason for each.
 std::string missing_fix(const RunningStack& running);
 
-/// Throws SettingsError for a stage of `next`, in a stack or with parameters, that is not there, unless `now`
-/// has it already: what is saved stays, what comes from the network must run.
+/// Throws SettingsError if `next` has a stage, in a stack or with parameters, that is missing or refuses its
+/// parameters, unless `now` already has the same stage or parameters. So saved settings may contain stages
+/// that cannot run, but settings from the network cannot add any.
 void refuse_new_missing(const Config& now, const Config& next);
 
 }  // namespace sslv

@@ -6,8 +6,8 @@
 #include "base/log.h"
 #include "base/plain_text.h"
 #include "image/shared_memory.h"
-#include "kit/apart/apart.h"
 #include "kit/read_stamp.h"
+#include "kit/sandbox/sandbox.h"
 #include "pipeline/publish.h"
 #include "tracking/agreement.h"
 #include "tracking/clocks.h"
@@ -34,19 +34,20 @@
 namespace sslv {
 namespace {
 
-/// What libraries may take of a service's start, for which systemd gives it 30 seconds, on a computer that is
-/// not busy: those inside to be tried, and all together, with the first starts of stages in processes of
-/// their own. Who has taken too long leaves the least to those that are described then.
+/// Time limits for stage libraries at the service's start, on a computer that is not busy; systemd allows
+/// 30 s for the whole start. kMaxLoading: testing the libraries that run in this program. kMaxStarting: all
+/// libraries together, including the first starts of stages in separate processes. kMinDescribing: time for
+/// describing the libraries of separate processes, even if less is left.
 constexpr std::chrono::milliseconds kMaxLoading{8000}, kMaxStarting{10'000}, kMinDescribing{2000};
 
 struct Outside {
   StageRows rows;
-  std::vector<OwnPartType> parts;  // by place, of both floors: a library has one place for each
+  std::vector<OwnPartType> parts;  // by place; both tables share the places: a library has one per part
   std::map<std::size_t*, std::string> places;
   std::vector<LeftOutLibrary> left_out;
   MissingStages missing = MissingStages::kRefused;
-  std::atomic<bool> is_used{false};               // nothing is added any more
-  std::unique_ptr<apart::Supervisor> supervisor;  // of stages in processes of their own; null: there are none
+  std::atomic<bool> is_used{false};                 // nothing can be added any more
+  std::unique_ptr<sandbox::Supervisor> supervisor;  // null: no stage runs in a separate process
 };
 Outside& outside() {
   static Outside outside;
@@ -64,11 +65,13 @@ void check_names(const std::vector<BasicStageType<Floor>>& rows,
   }
 }
 
-/// How many parts libraries may bring: as many as have a bit on each floor.
-constexpr std::size_t kMostOwnParts =
+/// Limit for the number of frame parts that libraries may add: each needs a bit in the PartSet of both stage
+/// tables.
+constexpr std::size_t kMaxOwnParts =
     PartSet().size() - std::max(kPartCount<CameraFloor>, kPartCount<FieldFloor>);
 
-/// The parts with those of a new library. Throws when it does not fit to the others.
+/// All frame parts of libraries, including those of a new library. Throws StageLibraryError if the new
+/// library does not fit the earlier ones.
 struct NewParts {
   std::vector<OwnPartType> parts;
   std::map<std::size_t*, std::string> places;
@@ -93,14 +96,14 @@ struct NewParts {
         }
       }
     }
-    if (parts.size() > kMostOwnParts) {
+    if (parts.size() > kMaxOwnParts) {
       throw StageLibraryError(fmt::format(
-          "has parts of its own with which there are {}; there is room for {}", parts.size(), kMostOwnParts));
+          "has parts of its own with which there are {}; there is room for {}", parts.size(), kMaxOwnParts));
     }
   }
 };
 
-/// Gives the parts of these stages their places, and takes the stages into the table.
+/// Assigns places to the frame parts of these stages, and adds the stages to the table.
 template <class Floor>
 void take(std::vector<BasicStageType<Floor>> rows, std::vector<BasicStageType<Floor>>& table,
           const std::vector<OwnPartType>& parts) {
@@ -162,7 +165,7 @@ void add_stages(StageRows rows) {
 }
 
 void add_stage_libraries(const StageFolders& folders, MissingStages missing) {
-  if (folders.inside.empty() && folders.apart.empty()) return;
+  if (folders.inside.empty() && folders.sandboxed.empty()) return;
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + kMaxStarting;
   const auto left = [end] {
@@ -183,15 +186,15 @@ void add_stage_libraries(const StageFolders& folders, MissingStages missing) {
   };
   for (StageLibrary& library : loaded.libraries)
     add(library.file, [&library] { return std::move(library.rows); });
-  // From here on there are threads.
-  const std::vector<std::filesystem::path> files = stage_libraries(folders.apart, all.left_out);
-  if (!files.empty()) all.supervisor = std::make_unique<apart::Supervisor>();
+  // load_stages() forks, so it ran before any thread started; threads start below.
+  const std::vector<std::filesystem::path> files = stage_libraries(folders.sandboxed, all.left_out);
+  if (!files.empty()) all.supervisor = std::make_unique<sandbox::Supervisor>();
   std::vector<std::future<StageRows>> described;
   for (const std::filesystem::path& file : files) {
     described.push_back(
         std::async(std::launch::async, [&all, &file, within = std::max(left(), kMinDescribing)] {
           check_stamp(read_stamp(file));
-          return rows_apart(file, *all.supervisor, within);
+          return sandboxed_rows(file, *all.supervisor, within);
         }));
   }
   for (std::size_t i = 0; i < files.size(); ++i) {

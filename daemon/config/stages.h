@@ -13,31 +13,32 @@
 
 namespace sslv {
 
-// Tables are made at a program's start: settings, schema, pipelines and totals go by a row's place, so once
-// anything has used a table, it stays as it is.
+// Stage tables are built at the program's start and fixed once used: settings, schema, pipelines and totals
+// refer to rows by index.
 
-/// Adds the stages of one library. Throws StageLibraryError, and adds nothing, for a stage whose name is
-/// taken and for a part that another library brings with another layout; std::logic_error when a table was
-/// used before.
+/// Adds the stages of one library. Throws StageLibraryError, and adds nothing, if a stage's name is taken or
+/// another library has a frame part (pipeline/own_parts.h) of the same name with another layout;
+/// std::logic_error if a table was already used.
 void add_stages(StageRows rows);
 
-/// Where stage libraries are looked for; only a command line says so.
+/// Folders that are searched for stage libraries; set on the command line only.
 struct StageFolders {
   std::vector<std::filesystem::path> inside;  // their code runs in this program (kit/load_stages.h)
-  std::vector<std::filesystem::path> apart;   // each stage runs in a process of its own (kit/apart/apart.h)
+  std::vector<std::filesystem::path>
+      sandboxed;  // each stage runs in a process of its own (kit/sandbox/sandbox.h)
 };
 
-/// Adds those of all libraries in these folders. What is left out is logged. `missing`: what becomes of
-/// stages that settings name and that are not there, when there are any folders.
+/// Adds the stages of all libraries in these folders. Logs the libraries that are left out. `missing`: how to
+/// treat missing stages that settings name; ignored if there are no folders.
 void add_stage_libraries(const StageFolders& folders, MissingStages missing);
 std::span<const LeftOutLibrary> left_out_libraries();
 
-/// Nobody waits any more for a process of a stage to start or to answer a question: that fails, now and
-/// later. Those that run go on.
+/// From now on, no caller waits for a stage's process to start or to answer: the wait fails instead. Running
+/// processes continue.
 void ask_stages_to_stop();
 
-/// Ends the processes of stages when main() does, while all that they are told to is still there. To be
-/// declared before anything that has stages.
+/// Ends the processes of stages at the end of main(), while all objects that report their end still exist.
+/// Declare it before anything that has stages.
 struct EndOfStageProcesses {
   EndOfStageProcesses() = default;
   ~EndOfStageProcesses();
@@ -45,20 +46,20 @@ struct EndOfStageProcesses {
   EndOfStageProcesses& operator=(const EndOfStageProcesses&) = delete;
 };
 
-/// Settings may name stages that are not there, as with kLeftOut above.
+/// From now on, settings may name missing stages (MissingStages::kLeftOut).
 void leave_out_missing_stages();
 MissingStages missing_stages();
 
 /// Every stage a stack may name.
 std::span<const StageType> stage_table();
 
-/// The stack of a camera that does not say otherwise.
+/// The stack of a camera unless the settings set one.
 std::vector<std::string> default_stack();
 
 /// Every stage that the field's stack may name.
 std::span<const FieldStageType> field_stage_table();
 
-/// The field's stack unless the settings say otherwise.
+/// The field's stack unless the settings set one.
 std::vector<std::string> default_field_stack();
 
 }  // namespace sslv

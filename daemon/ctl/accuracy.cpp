@@ -23,8 +23,10 @@
 namespace sslv {
 namespace {
 
-constexpr double kMatchMm = 100;                    // as score()
-constexpr double kFilmBeginS = 1200, kLookS = 0.2;  // swings begin; the light is looked at
+constexpr double kMatchMm = 100;  // as in score()
+/// Time at which a film and the swings of the light start; interval between calls of
+/// LightFollower::observe().
+constexpr double kFilmBeginS = 1200, kLookS = 0.2;
 
 // ---- reliability
 
@@ -35,7 +37,7 @@ void add(std::array<Reliability::Bin, Reliability::kBins>& bins, double confiden
   if (right) ++bins[bin].right;
 }
 
-/// Finds what a detection stands for: the nearest true thing that no surer detection stood for.
+/// Matches a detection with the nearest true thing that no more confident detection was matched with.
 class Matcher {
  public:
   explicit Matcher(const Json& truth) : truth_(truth), taken_(truth.size()) {}
@@ -77,13 +79,13 @@ void add_frame(Reliability& reliability, const Frame& frame, const Json& truth) 
 
 // ---- bounds
 
-/// Sums up the bounds of robots that are wholly in sight.
+/// Sums the bounds of robots that are fully visible.
 class BoundSum {
  public:
   void add(const SimulatedCamera& camera, const SimulatorOptions& source, const BoundPicture& picture,
            const Json& truth, double t_s) {
     if (source.noise_sigma == 0 || source.rolling_shutter_ms > 0) return;
-    constexpr int kMoments = 8;  // of an exposure
+    constexpr int kMoments = 8;  // number of moments in an exposure
     const int moments = source.exposure_ms > 0 ? kMoments : 1;
     std::vector<SimulatedScene> scenes;
     for (int i = 0; i < moments; ++i)
@@ -119,7 +121,7 @@ class BoundSum {
 
 // ---- one trial
 
-/// What was found in all halls, and what is true there: as score() reads them.
+/// Detections and truth of all halls, in the format that score() reads.
 struct TrialResult {
   std::string detections, truth;
   std::vector<AccuracyRow::Stretch> film;
@@ -127,7 +129,7 @@ struct TrialResult {
   BoundSum bounds;
 };
 
-/// A table of clicks, or a learnt one; an empty one with a problem.
+/// Returns a table from clicks or a learnt table. If nothing was learnt, adds a problem; the table is empty.
 std::shared_ptr<const Lut> table_of(const Trial& trial, const CameraContext& context,
                                     std::vector<std::string>& problems) {
   if (trial.colors == AccuracyColors::kClicked)
@@ -142,7 +144,7 @@ std::shared_ptr<const Lut> table_of(const Trial& trial, const CameraContext& con
   return learnt.lut ? std::move(learnt.lut) : std::make_shared<const Lut>();
 }
 
-/// `trial` has one hall now. Adds to the result.
+/// Runs a trial that has one hall, and adds to the result.
 void run_hall(const Trial& trial, const AccuracyCondition& condition, int frames, TrialResult& result,
               Reliability& reliability) {
   const CameraSettings& settings = trial.config.cameras.front();
@@ -247,7 +249,7 @@ std::vector<std::string> failures_of(const AccuracyRow& row, const AccuracyLimit
   return out;
 }
 
-/// All halls, which share the frames.
+/// Runs all halls, which share the frames.
 AccuracyRow run_trial(const Trial& trial, const AccuracyCondition& condition, int frames,
                       const std::string& format, Reliability& reliability) {
   TrialResult result;
@@ -259,7 +261,7 @@ AccuracyRow run_trial(const Trial& trial, const AccuracyCondition& condition, in
       Trial there = trial;
       for (SimulatorOptions* source : {&there.source, &there.learn_source}) {
         source->hall.seed = hall;
-        source->seed = (source->seed + hall) % 1'000'000;  // robots and balls at other places
+        source->seed = (source->seed + hall) % 1'000'000;  // moves robots and balls
       }
       run_hall(there, condition, (frames + halls - 1) / halls, result, reliability);
     }

@@ -2,7 +2,7 @@
 #pragma once
 
 // The accuracy suite: simulated images under named conditions, detected and compared with the truth. A file
-// says what the conditions are and how good the result must be (tests/golden/accuracy.json).
+// defines the conditions and the required results (tests/golden/accuracy.json).
 
 #include "base/json.h"
 #include "base/params.h"
@@ -23,7 +23,7 @@
 
 namespace sslv {
 
-/// A field and the camera over it; the image has the size that the calibration names.
+/// A field and the camera over it; the calibration gives the image size.
 struct AccuracyField {
   FieldSize size;
   CameraCalibration calibration;
@@ -38,7 +38,7 @@ struct AccuracyField {
   }
 };
 
-/// The worst result that is good enough; what is null is not looked at.
+/// Limits for a result; null: no limit.
 struct AccuracyLimits {
   std::optional<double> recall, position_rms_mm, orientation_rms_deg;
   std::optional<int> wrong_id, invented;
@@ -71,15 +71,15 @@ struct AccuracyLimits {
   }
 };
 
-/// Where a condition's colour table comes from.
+/// The source of a condition's colour table.
 enum class AccuracyColors : std::uint8_t {
-  kClicked,  // from what an admin might have clicked at in other images: eight places for each label
+  kClicked,  // from an admin's simulated clicks in other images: eight places for each label
   kLearnt,   // from other images by learn_colors(), without a click
 };
 inline constexpr std::array<Choice<AccuracyColors>, 2> kAccuracyColorsChoices{
     {{"clicked", AccuracyColors::kClicked}, {"learnt", AccuracyColors::kLearnt}}};
 
-/// One line of the suite for each of its pixel formats.
+/// A condition. It has a line in the report for each of its pixel formats.
 struct AccuracyCondition {
   std::string name;
   std::string field;
@@ -160,41 +160,41 @@ struct AccuracySuite {
   }
 };
 
-/// Reads a suite and checks all of it. Throws SettingsError, beginning with the file's name and the key.
+/// Reads and validates a suite. Throws SettingsError, beginning with the file's name and the key.
 AccuracySuite read_accuracy_suite(const std::string& file);
 
-/// Root mean squares of the Cramer-Rao bounds (accuracy_bound.h) of the robots that are to be found.
+/// Root mean squares of the Cramer-Rao bounds (accuracy_bound.h) of the robots that should be found.
 struct AccuracyBound {
-  std::size_t robots = 0;  // 0: no bound is known, as without noise and with a rolling shutter
+  std::size_t robots = 0;  // 0: no bound is known, as without noise or with a rolling shutter
   double position_mm = 0, orientation_deg = 0;
 };
 
-/// What became of one condition in one pixel format.
+/// Result of one condition in one pixel format.
 struct AccuracyRow {
   std::string condition, pixel_format;
   AccuracyColors colors;
   double px_per_mm;  // on the floor in the middle of the image
   Score score;
-  std::vector<std::string> failures;  // what is worse than it must be, for people
+  std::vector<std::string> failures;  // missed limits, in words
   /// A part of a film.
   struct Stretch {
     static constexpr double kSeconds = 5;
     double begin_s;
     FoundCounts robots, balls;
-    LightChange change{};  // that the table had in the end
+    LightChange change{};  // change of the colour table up to the end of this part
   };
   std::vector<Stretch> film{};
   AccuracyBound bound{};
 
-  /// Errors as multiples of their bounds; none without one, or with nothing found.
+  /// Errors as multiples of their bounds; none if there is no bound, or if nothing was found.
   std::optional<double> position_over_bound() const;
   std::optional<double> orientation_over_bound() const;
 };
 
-/// Detected balls with nothing at their place, in as many of 100 frames.
+/// Detected balls with no true ball at their place, per 100 frames.
 double false_balls_in_100(const Score& score);
 
-/// How often detections of one confidence were right: robots with the right id, balls where one is.
+/// Correct detections by confidence: robots with the right id, balls at the place of a true ball.
 struct Reliability {
   static constexpr std::size_t kBins = 10;  // 0 - 0.1, ..., 0.9 - 1
   struct Bin {
@@ -211,22 +211,21 @@ struct AccuracyReport {
 };
 
 struct AccuracyOptions {
-  std::vector<std::string> only;              // names of conditions; empty: all
-  std::optional<int> frames;                  // of every condition, instead of what its field says
-  std::optional<AccuracyColors> colors = {};  // instead of what the suite says
+  std::vector<std::string> only;              // names of the conditions to run; empty: all
+  std::optional<int> frames;                  // frames for each condition, instead of the field's number
+  std::optional<AccuracyColors> colors = {};  // instead of the suite's choice
   /// Called after each row.
   std::function<void(const AccuracyRow&)> done = [](const AccuracyRow&) {};
 };
 
-/// Runs the camera's usual stack over simulated images of each condition and scores it. The colour table is
-/// made under the same condition, but for learn_source, from other images: of clicks, spread over the
-/// image, by lut_from_samples, or by learn_colors. Where nothing could be learnt nothing is found, and the
-/// row says why. The same suite gives the same report. Throws SettingsError for a
-/// name of `only` that is not in the suite, CaptureError when the simulator cannot draw a condition.
+/// Runs the camera's default stack over simulated images of each condition and scores the result. The colour
+/// table is made under the same condition, except for learn_source, from other images: by lut_from_samples()
+/// from clicks spread over the image, or by learn_colors(). If nothing could be learnt, nothing is found, and
+/// the row has the reason. The same suite gives the same report. Throws SettingsError for a name in `only`
+/// that is not in the suite, CaptureError if the simulator cannot draw a condition.
 AccuracyReport run_accuracy_suite(const AccuracySuite& suite, const AccuracyOptions& options);
 
-/// Tables for people, plain or as Markdown; rows that are not as good as they must be are marked, and named
-/// below.
+/// Human-readable tables, plain or as Markdown. Rows that miss a limit are marked, and listed below.
 std::string accuracy_text(const AccuracyReport& report, bool markdown);
 Json accuracy_json(const AccuracyReport& report);
 

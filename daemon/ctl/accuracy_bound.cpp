@@ -14,11 +14,11 @@ namespace sslv {
 namespace {
 
 constexpr double kRoundingVariance = 1.0 / 12;
-/// Samples this far inside the top's rim are surely black, or a dot's.
+/// Samples this far inside the top's rim are certainly black, or on a dot.
 constexpr double kTopRimMm = 12;
-constexpr double kReachSigmas = 4.5;  // of the blur: beyond it an edge does not show
+constexpr double kReachSigmas = 4.5;  // in sigmas of the blur: a more distant edge has no effect
 
-/// How much of a pixel's square lies on one side of a blurred edge, and its integral.
+/// The share of a pixel on one side of a blurred edge (integral()), and its derivative (density()).
 class BlurredPixel {
  public:
   explicit BlurredPixel(double blur_px) : sigma_(std::max(blur_px, 0.05)) {}
@@ -38,13 +38,13 @@ class BlurredPixel {
   double sigma_;
 };
 
-/// What a dot does to the pixels around it.
+/// The effect of a dot on the pixels around it.
 struct DotPixels {
   int left, top, width, height;
   struct Pixel {
-    double cover = 0;                                  // its share that the dot covers
-    Eigen::Vector3d change = Eigen::Vector3d::Zero();  // of that, by x (mm), y (mm) and heading (rad)
-    bool on_top = false;  // of the robot, not too near to its rim, and no other dot's
+    double cover = 0;                                  // share of the pixel that the dot covers
+    Eigen::Vector3d change = Eigen::Vector3d::Zero();  // derivative of cover by x (mm), y (mm), heading (rad)
+    bool on_top = false;  // on the robot's top, not near its rim, and on no other dot
   };
   std::vector<Pixel> pixels;
 
@@ -54,15 +54,15 @@ struct DotPixels {
   }
 };
 
-/// A dot in its robot's frame.
+/// Draws a dot, given in its robot's frame.
 DotPixels draw(const BoundPicture& picture, std::span<const BoundPose> moments, const PatternDot& dot,
                bool& in_view) {
   const BlurredPixel blur(picture.blur_px);
   const double reach_px = blur.reach_px();
   struct RimPoint {
     Eigen::Vector2d pixel;
-    double along_v;          // to the next point
-    Eigen::Vector3d change;  // area (px^2) that is swept here
+    double along_v;          // step in y to the next point, px
+    Eigen::Vector3d change;  // area (px^2) swept here, by x (mm), y (mm) and heading (rad)
   };
   constexpr std::size_t kPoints = 96;
   std::vector<std::array<RimPoint, kPoints>> rims;
@@ -92,7 +92,7 @@ DotPixels draw(const BoundPicture& picture, std::span<const BoundPose> moments, 
       rim[i].along_v = (rim[(i + 1) % kPoints].pixel.y() - rim[(i + kPoints - 1) % kPoints].pixel.y()) / 2;
       area += rim[i].pixel.x() * rim[i].along_v;
     }
-    if (area < 0) {  // images have y downwards
+    if (area < 0) {  // y points down in images
       for (RimPoint& point : rim) point.along_v = -point.along_v;
     }
   }
@@ -115,7 +115,7 @@ DotPixels draw(const BoundPicture& picture, std::span<const BoundPose> moments, 
       const int y1 = static_cast<int>(std::floor(point.pixel.y() + reach_px));
       for (int y = y0; y <= y1; ++y) {
         const double across = share * blur.density(y - point.pixel.y());
-        // Green's theorem: what lies left of the rim is covered, or no longer.
+        // Green's theorem: a point of the rim adds or removes coverage left of it.
         for (int x = out.left; x < x0 + static_cast<int>(2 * reach_px) + 1 && x < out.left + out.width; ++x) {
           const double away = point.pixel.x() - x;
           DotPixels::Pixel& pixel = out.at(x, y);
@@ -143,14 +143,14 @@ DotPixels draw(const BoundPicture& picture, std::span<const BoundPose> moments, 
   return out;
 }
 
-/// A value of the image, and what it says: its weights on the pixels x and x + 1.
+/// A value of the image and its pixel; U and V of YUV images belong to the pixels x and x + 1.
 struct Sample {
   int plane;
   double value;
   DotPixels::Pixel pixel;
 };
 
-/// Values that share noise: all of one pixel, or of two in YUV images.
+/// Values that share noise: all of one pixel, or of two pixels in YUV images.
 struct Unit {
   std::array<Sample, 4> samples;
   std::size_t count = 0;
@@ -189,13 +189,13 @@ void for_units(const ImageView& image, const DotPixels& dot, const Use& use) {
   }
 }
 
-/// Of a unit's values; each of its red, green and blue ones has the variance given.
+/// Noise covariance of a unit's values; `variance`: of each red, green and blue value.
 Eigen::MatrixXd covariance_of(PixelFormat format, double variance) {
   if (!is_yuv422(format)) {
     const int values = is_bayer(format) ? 1 : 3;
     return (variance + kRoundingVariance) * Eigen::MatrixXd::Identity(values, values);
   }
-  // BT.601 full range, as image/color.h: Y of both pixels, U and V of their mean.
+  // BT.601 full range, as in image/color.h: Y of both pixels, U and V of their mean.
   const Eigen::RowVector3d y(0.299, 0.587, 0.114);
   const Eigen::RowVector3d u = (Eigen::RowVector3d(0, 0, 1) - y) / 1.772;
   const Eigen::RowVector3d v = (Eigen::RowVector3d(1, 0, 0) - y) / 1.402;
@@ -206,7 +206,8 @@ Eigen::MatrixXd covariance_of(PixelFormat format, double variance) {
   return variance * mix * mix.transpose() + kRoundingVariance * Eigen::Matrix4d::Identity();
 }
 
-/// The dot's contrast in each plane by least squares, less what its own variance adds to its square.
+/// The dot's contrast in each plane by least squares. Subtracts the estimate's variance from the estimate's
+/// square, since the square is biased by the variance.
 std::array<double, 3> contrasts_of(const ImageView& image, const DotPixels& dot,
                                    const Eigen::MatrixXd& noise) {
   struct Sums {

@@ -10,29 +10,29 @@
 
 namespace sslv {
 
-/// An image of whose robots the places are to be estimated.
+/// An image in which robots' poses are to be estimated.
 struct BoundPicture {
-  const ImageView& image;  // with its noise: how bright the dots are is read from it
+  const ImageView& image;  // with its noise; the dots' contrast is measured in it
   const CameraModel& camera;
   const PatternTable& patterns;
-  double blur_px;      // of the lens, as the sigma of a Gaussian
-  double noise_sigma;  // of each red, green and blue value, in 8-bit grey levels, before a YUV camera mixes
+  double blur_px;      // blur of the lens: sigma of a Gaussian
+  double noise_sigma;  // noise of red, green or blue before conversion to YUV, in 8-bit grey levels
 };
 
-/// Where a robot's pattern lies.
+/// Pose of a robot's pattern.
 struct BoundPose {
   double x_mm, y_mm, orientation_rad, height_mm;
 };
 
-/// The least root mean square errors that an unbiased estimate can have (Cramer and Rao).
+/// Lower bounds (Cramer-Rao) of the root mean square errors of an unbiased estimate.
 struct RobotBound {
   double position_mm, orientation_rad;
 };
 
-/// The bound for one robot, from what all samples at its dots' edges say, as if all but its pose were known:
-/// brightness and colour of dots and top, blur and noise, with what the noise of Y, U and V has in common.
-/// Rounding counts as noise. The top's rim does not count: robots differ there. `moments`: its poses during
-/// the exposure, evenly spread. Nothing when a dot is not in the image.
+/// The bound for one robot from all samples at the edges of its dots, as if everything but its pose were
+/// known: brightness and colour of dots and top, blur and noise, including the noise that Y, U and V share.
+/// Rounding counts as noise. The top's rim is left out: robots differ there. `moments`: the robot's poses
+/// during the exposure, evenly spaced. Nothing if a dot is outside the image.
 std::optional<RobotBound> robot_bound(const BoundPicture& picture, std::span<const BoundPose> moments);
 
 }  // namespace sslv

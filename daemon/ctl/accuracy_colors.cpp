@@ -13,12 +13,12 @@
 namespace sslv {
 namespace {
 
-/// A place in a training image where somebody may click to show a colour.
-struct Place {
+/// A place in a training image where an admin may click to show a colour.
+struct ClickTarget {
   std::size_t picture;
   Label label;
   Eigen::Vector2d pixel;
-  double radius_px;  // of what is clicked at
+  double radius_px;  // radius of the clicked thing
 };
 
 struct TrainingPicture {
@@ -40,7 +40,7 @@ Rgb color_around(const ImageView& view, const Eigen::Vector2d& pixel) {
   if (is_bayer(view.format)) {
     const bool red_below = view.format == PixelFormat::kBayerGb8 || view.format == PixelFormat::kBayerBg8;
     const bool red_right = view.format == PixelFormat::kBayerGr8 || view.format == PixelFormat::kBayerBg8;
-    // The corner between four quads that is nearest.
+    // The nearest corner between four quads.
     const int x = std::clamp(2 * static_cast<int>(std::lround((pixel.x() + 0.5) / 2)), 2, view.width - 2);
     const int y = std::clamp(2 * static_cast<int>(std::lround((pixel.y() + 0.5) / 2)), 2, view.height - 2);
     for (int qy = y - 2; qy <= y; qy += 2) {
@@ -77,14 +77,14 @@ Rgb color_around(const ImageView& view, const Eigen::Vector2d& pixel) {
   return {byte(r), byte(g), byte(b)};
 }
 
-/// Where an admin sees things to click at in one image.
+/// Finds the places in one image that an admin may click at.
 class PlaceFinder {
  public:
   PlaceFinder(const Scene& scene, const PatternTable& patterns, std::size_t picture, const Json& truth,
               SimulatorRandom& random)
       : scene_(scene), patterns_(patterns), picture_(picture), truth_(truth), random_(random) {}
 
-  std::vector<Place> find() {
+  std::vector<ClickTarget> find() {
     for (const Json& robot : truth_.at("robots")) {
       if (robot.at("visible")) add_robot(robot);
     }
@@ -128,7 +128,7 @@ class PlaceFinder {
       const PatternDot& dot = patterns_.dots[i];
       add(code->colors[i], on_top(dot.x_mm, dot.y_mm), dot.diameter_mm / 2);
     }
-    // Where the league's pattern leaves most room.
+    // The places on top with most space between the dots of the league's pattern.
     for (const double y_mm : {-45.0, 45.0}) add(label::kBlack, on_top(0, y_mm), patterns_.gap_mm);
   }
 
@@ -145,10 +145,10 @@ class PlaceFinder {
     }
   }
 
-  /// In the corners, at the sides and in the middle.
+  /// Places in the corners, at the sides and in the middle.
   void add_carpet() {
     constexpr int kAttempts = 100;
-    constexpr double kReach = 0.06;  // of the image's size
+    constexpr double kReach = 0.06;  // as a share of the image's size
     const CameraCalibration& c = scene_.camera->calibration();
     const double lines_mm = 30 + scene_.field.line_thickness / 2.0;
     for (const double across : {0.08, 0.5, 0.92}) {
@@ -172,7 +172,7 @@ class PlaceFinder {
            std::abs(p.y()) < f.field_width / 2.0 + f.boundary_width - 30;
   }
 
-  /// Nothing stands on the floor there, or between there and the camera.
+  /// Whether nothing is on the floor there, or between there and the camera.
   bool is_free(const Eigen::Vector2d& p) const {
     const Eigen::Vector3d floor(p.x(), p.y(), 0), eye = scene_.camera->position_mm();
     for (const Json& robot : truth_.at("robots")) {
@@ -204,12 +204,13 @@ class PlaceFinder {
   std::size_t picture_;
   const Json& truth_;
   SimulatorRandom& random_;
-  std::vector<Place> places_;
+  std::vector<ClickTarget> places_;
 };
 
-/// `count` of the places, each as far from those before as can be; all of them again when there are fewer.
-std::vector<Place> spread(const std::vector<Place>& places, std::size_t count) {
-  std::vector<Place> out;
+/// Selects `count` of the places, each as far from the previous ones as possible; repeats places if there are
+/// fewer.
+std::vector<ClickTarget> spread(const std::vector<ClickTarget>& places, std::size_t count) {
+  std::vector<ClickTarget> out;
   std::vector<double> away_px(places.size(), std::numeric_limits<double>::infinity());
   while (!places.empty() && out.size() < count) {
     const auto farthest = std::max_element(away_px.begin(), away_px.end());
@@ -222,7 +223,7 @@ std::vector<Place> spread(const std::vector<Place>& places, std::size_t count) {
   return out;
 }
 
-/// The same conditions with other images.
+/// Options for other images under the same conditions.
 SimulatorOptions other_pictures(SimulatorOptions options) {
   constexpr int kOtherSeed = 500'000;
   options.seed = (options.seed + kOtherSeed) % 1'000'000;
@@ -256,14 +257,14 @@ std::vector<ColorSample> click(const Trial& trial, const CameraContext& context)
   constexpr std::size_t kClicks = 8;
   constexpr int kPictures = 2;
   SimulatorOptions options = other_pictures(trial.learn_source);
-  options.balls = std::max(options.balls, 6);                             // an admin has more than one
-  options.hidden_balls = options.covered_dots = options.distractors = 0;  // knows what to click at
+  options.balls = std::max(options.balls, 6);                             // an admin has several balls
+  options.hidden_balls = options.covered_dots = options.distractors = 0;  // and clicks at visible things only
   options.light_swing.clear(), options.cast_swing.clear();
   SimulatedCamera camera(options, {0, *context.scene}, *context.patterns);
   SimulatorRandom random(static_cast<std::uint64_t>(options.seed));
 
   std::vector<TrainingPicture> pictures(static_cast<std::size_t>(trial.learn_frames.value_or(kPictures)));
-  std::vector<Place> places;
+  std::vector<ClickTarget> places;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     TrainingPicture& picture = pictures[i];
     take(camera, static_cast<int>(i), picture);
@@ -273,10 +274,10 @@ std::vector<ColorSample> click(const Trial& trial, const CameraContext& context)
 
   std::vector<ColorSample> samples;
   for (std::size_t i = 0; i < label::kCount; ++i) {
-    std::vector<Place> same;
+    std::vector<ClickTarget> same;
     std::copy_if(places.begin(), places.end(), std::back_inserter(same),
-                 [&](const Place& place) { return place.label == i; });
-    for (const Place& place : spread(same, kClicks)) {
+                 [&](const ClickTarget& place) { return place.label == i; });
+    for (const ClickTarget& place : spread(same, kClicks)) {
       const double angle = random.angle(), off_px = place.radius_px / 4 * std::sqrt(random.uniform(0, 1));
       samples.push_back({place.label, color_around(pictures[place.picture].view,
                                                    place.pixel + off_px * Eigen::Vector2d(std::cos(angle),

@@ -10,10 +10,10 @@
 
 namespace sslv {
 
-/// A table without a click; with a problem when nothing was learnt.
+/// Learns a table without clicks; its `problem` is set if nothing was learnt.
 LearntColors learn(const Trial& trial, const CameraContext& context);
 
-/// What an admin clicks at, spread over the image: eight places of each label.
+/// Returns the colours at an admin's simulated clicks, spread over the images: eight places for each label.
 std::vector<ColorSample> click(const Trial& trial, const CameraContext& context);
 
 }  // namespace sslv

@@ -15,13 +15,13 @@
 namespace sslv {
 namespace {
 
-/// On the floor in the middle of the image.
+/// Resolution on the floor in the middle of the image.
 double px_per_mm_of(const CameraCalibration& c) {
   const Eigen::Vector2d middle(c.pixel_image_width / 2.0, c.pixel_image_height / 2.0);
   return 1 / std::sqrt(CameraModel(c).mm2_per_px(middle, 0));
 }
 
-/// The same camera with a sensor of other pixels.
+/// The same camera with a sensor of another resolution.
 CameraCalibration scaled(CameraCalibration c, double scale) {
   const auto even = [&](int size) { return 2 * static_cast<int>(std::lround(size * scale / 2)); };
   c.focal_length *= scale;

@@ -10,10 +10,10 @@
 namespace sslv {
 namespace {
 
-using Table = std::vector<std::vector<std::string>>;  // the first row is the head
+using TextRows = std::vector<std::vector<std::string>>;  // the first row is the header
 
 /// Columns before `numbers_from` hold text.
-std::string table_text(const Table& table, std::size_t numbers_from, bool markdown) {
+std::string rows_text(const TextRows& table, std::size_t numbers_from, bool markdown) {
   std::vector<std::size_t> widths(table.front().size());
   for (const auto& row : table) {
     for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
@@ -56,10 +56,10 @@ Json json_of(const std::array<Reliability::Bin, Reliability::kBins>& bins) {
   return out;
 }
 
-/// How it went on in films.
-Table film_table(const AccuracyReport& report) {
-  Table table{{"condition", "format", "second", "robots", "recall", "wrong id", "false", "balls",
-               "ball recall", "red", "green", "blue", "darkest", "brightest"}};
+/// Results over the course of films.
+TextRows film_table(const AccuracyReport& report) {
+  TextRows table{{"condition", "format", "second", "robots", "recall", "wrong id", "false", "balls",
+                  "ball recall", "red", "green", "blue", "darkest", "brightest"}};
   for (const AccuracyRow& row : report.rows) {
     for (const AccuracyRow::Stretch& part : row.film) {
       const auto [r, g, b] = part.change.gain;
@@ -80,9 +80,9 @@ Table film_table(const AccuracyReport& report) {
 }  // namespace
 
 std::string accuracy_text(const AccuracyReport& report, bool markdown) {
-  Table table{{"condition", "format", "table", "px/mm", "robots", "recall", "wrong id", "false", "robot mm",
-               "degrees", "mm / bound", "degrees / bound", "balls", "ball recall", "precision", "ball mm",
-               "false balls in 100", ""}};
+  TextRows table{{"condition", "format", "table", "px/mm", "robots", "recall", "wrong id", "false",
+                  "robot mm", "degrees", "mm / bound", "degrees / bound", "balls", "ball recall", "precision",
+                  "ball mm", "false balls in 100", ""}};
   std::string failures;
   const auto ratio = [](const std::optional<double>& value) {
     return value ? fmt::format("{:.2f}", *value) : "-";
@@ -105,13 +105,13 @@ std::string accuracy_text(const AccuracyReport& report, bool markdown) {
                               name_of(row.colors), failure);
     }
   }
-  std::string out = table_text(table, 3, markdown);
+  std::string out = rows_text(table, 3, markdown);
   if (!failures.empty()) out += "\n" + failures;
 
   const auto film = film_table(report);
-  if (film.size() > 1) out += "\n" + table_text(film, 2, markdown);
+  if (film.size() > 1) out += "\n" + rows_text(film, 2, markdown);
 
-  Table reliability{{"confidence", "robots", "right", "balls", "right"}};
+  TextRows reliability{{"confidence", "robots", "right", "balls", "right"}};
   for (std::size_t i = 0; i < Reliability::kBins; ++i) {
     const auto& robots = report.reliability.robots[i];
     const auto& balls = report.reliability.balls[i];
@@ -123,7 +123,7 @@ std::string accuracy_text(const AccuracyReport& report, bool markdown) {
                            std::to_string(robots.count), share(robots), std::to_string(balls.count),
                            share(balls)});
   }
-  return out + "\n" + table_text(reliability, 1, markdown);
+  return out + "\n" + rows_text(reliability, 1, markdown);
 }
 
 Json accuracy_json(const AccuracyReport& report) {

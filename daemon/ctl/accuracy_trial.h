@@ -12,13 +12,14 @@
 
 namespace sslv {
 
-inline constexpr double kFirstS = 1000, kStepS = 7.3;  // so far apart that images have little in common
+/// Time of the first image, and interval between images: so long that images have little in common.
+inline constexpr double kFirstS = 1000, kStepS = 7.3;
 
-/// A condition in one pixel format, with all that its names stand for.
+/// A condition in one pixel format, with all names resolved.
 struct Trial {
-  Config config;  // of one camera
+  Config config;  // with one camera
   SimulatorOptions source, learn_source;
-  std::vector<int> halls;  // empty: the source's
+  std::vector<int> halls;  // empty: the source's hall only
   AccuracyColors colors;
   std::optional<int> learn_frames;
   double px_per_mm;

@@ -13,7 +13,6 @@ namespace {
 
 constexpr double kRobotRadiusMm = 90;
 
-/// Every `from` becomes `to`.
 void replace_all(std::string& text, std::string_view from, std::string_view to) {
   for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
     text.replace(at, from.size(), to);
@@ -66,7 +65,7 @@ std::string annotation_page(const Json& line, std::span<const std::uint8_t> jpeg
     for (const Json& thing : line.at(kind)) data["marks"].push_back(mark_of(thing, scene));
   }
   std::string text = data.dump();
-  replace_all(text, "<", "\\u003c");  // nothing in it ends the script
+  replace_all(text, "<", "\\u003c");  // so that no text ends the script element
   std::string page(kAnnotationPageHtml);
   constexpr std::string_view kPlace = "{\"//\": \"the image and its marks\"}";
   page.replace(page.find(kPlace), kPlace.size(), text);

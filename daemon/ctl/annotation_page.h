@@ -10,17 +10,17 @@
 
 namespace sslv {
 
-/// Where an image's page stands among the others.
+/// Links of an image's page.
 struct AnnotationPlace {
-  std::string command;         // that corrects the images, ready for a shell
-  std::string previous, next;  // pages' file names; empty: there is none
+  std::string command;         // command that corrects the images, quoted for a shell
+  std::string previous, next;  // file names of pages; empty: no such page
 };
 
 /// The file name of an image's page.
 std::string annotation_page_name(const std::string& frame);
 
-/// An HTML page that needs nothing else: the image with a numbered mark on everything that a line of a
-/// truth file (see truth.h) has, and the words for a correction that is pointed at.
+/// Returns a self-contained HTML page: the image with a numbered mark on everything in a line of a truth file
+/// (see truth.h), and the options that correct the mark or place that a person clicks.
 std::string annotation_page(const Json& line, std::span<const std::uint8_t> jpeg, const Scene& scene,
                             const AnnotationPlace& place);
 

@@ -7,10 +7,10 @@
 
 namespace sslv {
 
-/// BackupContents of docs/openapi.json, for people.
+/// Human-readable text for BackupContents of docs/openapi.json.
 std::string backup_text(const Json& contents);
 
-/// {"backup": BackupContents, "revision": 7, "passwords": "none"} once it was restored.
+/// The same for the result of a restore: {"backup": BackupContents, "revision": 7, "passwords": "none"}.
 std::string restored_text(const Json& restored);
 
 }  // namespace sslv

@@ -16,7 +16,7 @@
 namespace sslv {
 namespace {
 
-constexpr double kFirstS = 1000;  // of drawn frames, a second apart, so that each run has the same ones
+constexpr double kFirstS = 1000;  // first drawn frame; then one each second: all runs draw the same frames
 
 StageTiming summary_of(std::string stage, std::vector<double> us) {
   std::sort(us.begin(), us.end());
@@ -52,7 +52,7 @@ BenchResult time_stack(const CameraSettings& camera, const std::string& path, co
   return result;
 }
 
-/// The same camera with a sensor of another size: it still sees the same part of the field.
+/// The same camera with a sensor of another size that sees the same part of the field.
 CameraCalibration scaled(CameraCalibration calibration, int width, int height) {
   const double scale = std::min(static_cast<double>(width) / calibration.pixel_image_width,
                                 static_cast<double>(height) / calibration.pixel_image_height);

@@ -16,7 +16,7 @@
 namespace sslv {
 namespace {
 
-/// Runs `act` so that a value it refuses is named with its file.
+/// Runs `act`; if it refuses a value, the error also names the file.
 template <class Act>
 auto naming(const std::string& file, Act act) {
   try {

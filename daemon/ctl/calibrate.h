@@ -12,35 +12,35 @@
 
 namespace sslv {
 
-/// What the command line says beside, and instead of, a file of points; none: not said.
+/// Command-line options that complete or override a file of points; none: not given.
 struct CalibrateWords {
   std::string points_file;
   std::optional<int> frames;
   std::optional<double> height_mm, height_sigma_mm, focal_px;
-  std::string plus_x, lines;  // as on the command line; empty: not said
+  std::string plus_x, lines;  // as on the command line; empty: not given
 };
 
-/// The request as JSON, checked. Throws SettingsError.
+/// Returns the request as validated JSON. Throws SettingsError.
 Json calibration_request(const CalibrateWords& words);
 
 struct CalibrateInput {
   std::string path, pixel_format;
-  int width = 0, height = 0;  // of raw frames
+  int width = 0, height = 0;  // size of raw frames
 };
 
-/// Calibrates from recorded images. What cannot be read of them goes to `problems`. Throws SettingsError,
-/// and CaptureError when no image can be used.
+/// Calibrates from recorded images. Images that cannot be read are listed on `problems`. Throws
+/// SettingsError, and CaptureError if no image can be used.
 CalibrationReport calibrate_recording(const CalibrateInput& input, const CalibrationRequest& request,
                                       const FieldSize& field, std::optional<CameraCalibration> previous,
                                       std::ostream& problems);
 
-/// The field of a preset's name or of a settings file. Throws SettingsError.
+/// Returns the field of a preset or of a settings file. Throws SettingsError.
 FieldSize field_named(const std::string& name_or_file);
 
-/// A calibration as the settings spell it. Throws SettingsError.
+/// Reads a calibration in the format of the settings. Throws SettingsError.
 CameraCalibration read_calibration(const std::string& file);
 
-/// Has a running daemon calibrate a camera and waits for the report. Throws ClientError when it refuses,
+/// Has a running daemon calibrate a camera and returns the report. Throws ClientError if that is refused,
 /// fails or is cancelled.
 Json calibrate_running(const Client& daemon, int camera_id, const Json& request);
 

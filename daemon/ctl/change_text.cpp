@@ -12,7 +12,7 @@
 namespace sslv {
 namespace {
 
-/// Short: a whole camera would fill the terminal.
+/// A whole camera would fill the terminal.
 std::string shortened(const Json& change, const char* key) {
   constexpr std::size_t kLongest = 40;
   if (!change.contains(key)) return "nothing";

@@ -25,7 +25,7 @@ Json parse_answer(const std::string& text, const std::string& path) {
   }
 }
 
-/// Who changed what, the newest first: SettingsStep[] of docs/openapi.json.
+/// Text about changes and their authors, the newest first, from SettingsStep[] of docs/openapi.json.
 std::string steps_text(const Json& steps) {
   constexpr std::size_t kMax = 3;
   std::string out;
@@ -74,7 +74,7 @@ struct Client::Request {
   std::string body{};
   const char* type = "application/json";
   std::optional<std::uint64_t> if_revision{};
-  std::function<void(std::string_view)> take{};  // the body of an answer that is no refusal; null: returned
+  std::function<void(std::string_view)> take{};  // gets a 2xx answer's body; null: the body is returned
 };
 
 std::string Client::answer(const Request& request) const {

@@ -8,18 +8,18 @@
 
 namespace sslv {
 
-/// docs/openapi.json's ColorState for people.
+/// Human-readable text for ColorState of docs/openapi.json.
 std::string colors_text(const Json& state);
 
-/// Its ColorMargin list: a line for each label, or why there is none.
+/// The same for a list of ColorMargin: a line for each label, or the reason why there is none.
 std::string margins_text(const Json& margins);
 
-/// Its ColorImport when nothing was imported: what the file holds.
+/// The same for a ColorImport that was only tried: the colour tables in the file.
 std::string tables_text(const Json& import);
 
-/// Starts learning and waits for the report. Throws ClientError when it comes to none.
+/// Starts learning and returns the report. Throws ClientError if learning ends without a report.
 Json learn_running(const Client& daemon, int camera_id, int frames);
-/// That report for people.
+/// Human-readable text for the report of learn_running().
 std::string learning_text(const Json& report);
 
 }  // namespace sslv

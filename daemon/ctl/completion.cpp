@@ -12,10 +12,10 @@ namespace {
 
 struct Word {
   std::string text, help;
-  bool takes_value = false;  // an option with a word of its own after it
+  bool takes_value = false;  // an option that is followed by a value
 };
 
-/// A command and what may follow it.
+/// A command and the words that may follow it.
 struct Node {
   std::string path;  // "/settings/get"; empty: the program itself
   std::vector<Word> commands, options;
@@ -129,7 +129,7 @@ std::string completion_script(const CLI::App& app, const std::string& program, c
   add_nodes(app, "", nodes);
   if (shell == "fish") return fish_script(nodes, program, name);
   const std::string bash = bash_script(nodes, program, name);
-  // zsh runs bash's.
+  // zsh uses bash's script.
   return shell == "zsh" ? fmt::format(
                               "# In zsh: source <({} completion zsh)\nautoload -Uz compinit bashcompinit\n"
                               "(( $+functions[compdef] )) || compinit\nbashcompinit\n",

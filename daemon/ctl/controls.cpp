@@ -25,7 +25,7 @@ std::string allowed(const Json& control) {
   return control.at("kind").get<std::string>();
 }
 
-/// Numbers, true and false as such; everything else is a text.
+/// Numbers, true and false as JSON; everything else as text.
 Json value_of(const std::string& text) {
   const Json value = Json::parse(text, nullptr, false);
   return value.is_number() || value.is_boolean() ? value : Json(text);

@@ -66,7 +66,7 @@ std::optional<double> quantile_us(const Json& histogram, double share) {
   for (std::size_t i = 0; i < counts.size(); ++i) {
     const double here = counts.at(i).get<double>();
     if (here > 0 && (below + here >= share * all || i + 1 == counts.size())) {
-      // Bins are as wide as their times are long: within one, by the same factor.
+      // The width of bins is proportional to their times, so interpolate geometrically within a bin.
       const double from = histogram.at("edges_us").at(i).get<double>();
       const double to = histogram.at("edges_us").at(i + 1).get<double>();
       const double part = (share * all - below) / here;
@@ -74,7 +74,7 @@ std::optional<double> quantile_us(const Json& histogram, double share) {
     }
     below += here;
   }
-  return {};  // no histogram of a daemon
+  return {};  // not a histogram of a daemon
 }
 
 std::string diagnostics_text(const Json& diagnostics) {

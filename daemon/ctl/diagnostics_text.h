@@ -8,10 +8,10 @@
 
 namespace sslv {
 
-/// The duration in a Histogram of docs/openapi.json below which this share of it lies; none of an empty one.
+/// Returns the quantile of a Histogram of docs/openapi.json, in microseconds; none if it is empty.
 std::optional<double> quantile_us(const Json& histogram, double share);
 
-/// GET /api/diagnostics for a terminal: the computer, its clock, and what takes how long.
+/// GET /api/diagnostics for a terminal: the computer, its clock, and durations.
 std::string diagnostics_text(const Json& diagnostics);
 
 }  // namespace sslv

@@ -28,12 +28,12 @@ using boost::system::error_code;
 
 namespace {
 
-struct Place {
+struct ServerAddress {
   std::string host, port;  // the host without brackets
-  std::string name;        // as the Host header has it
+  std::string name;        // for the Host header
 };
 
-Place place_of(const std::string& address) {
+ServerAddress parse_address(const std::string& address) {
   const auto refuse = [&] {
     throw ExchangeError(fmt::format("\"{}\" is not an address; expected http://HOST:PORT{}", address,
                                     address.starts_with("https:") ? " (this program has no TLS)" : ""));
@@ -42,25 +42,25 @@ Place place_of(const std::string& address) {
   constexpr std::string_view kScheme = "http://";
   if (rest.starts_with(kScheme)) rest.remove_prefix(kScheme.size());
   if (rest.ends_with('/')) rest.remove_suffix(1);
-  Place place{"", "80", std::string(rest)};
+  ServerAddress parsed{"", "80", std::string(rest)};
   const bool is_bracketed = rest.starts_with('[');
   const std::size_t end = rest.find(is_bracketed ? ']' : ':');
   if (is_bracketed) {
     if (end == std::string_view::npos) refuse();
-    place.host = rest.substr(1, end - 1);
+    parsed.host = rest.substr(1, end - 1);
     rest.remove_prefix(end + 1);
   } else {
-    place.host = rest.substr(0, end);
-    rest.remove_prefix(std::min(place.host.size(), rest.size()));
+    parsed.host = rest.substr(0, end);
+    rest.remove_prefix(std::min(parsed.host.size(), rest.size()));
   }
   if (!rest.empty()) {
-    place.port = rest.substr(1);
+    parsed.port = rest.substr(1);
     const bool is_number =
-        !place.port.empty() && place.port.find_first_not_of("0123456789") == std::string::npos;
+        !parsed.port.empty() && parsed.port.find_first_not_of("0123456789") == std::string::npos;
     if (rest.front() != ':' || !is_number) refuse();
   }
-  if (place.host.empty() || place.host.find_first_of("/?#@ \r\n") != std::string::npos) refuse();
-  return place;
+  if (parsed.host.empty() || parsed.host.find_first_of("/?#@ \r\n") != std::string::npos) refuse();
+  return parsed;
 }
 
 class Exchange {
@@ -68,13 +68,13 @@ class Exchange {
   Exchange(const std::string& address, const ExchangeLimits& limits)
       : address_(address),
         limits_(limits),
-        place_(place_of(address)),
+        server_(parse_address(address)),
         deadline_(Clock::now() + limits.whole) {}
 
   /// `take`: see http_exchange(); null: the body is always in the reply.
   HttpReply answer_to(const HttpCall& call, const std::function<void(std::string_view)>& take) {
     error_code error;
-    const auto endpoints = asio::ip::tcp::resolver(io_).resolve(place_.host, place_.port, error);
+    const auto endpoints = asio::ip::tcp::resolver(io_).resolve(server_.host, server_.port, error);
     if (error) refuse_silence(error);
     wait(limits_.connect, [&](auto done) {
       stream_.async_connect(endpoints, [done](error_code e, const auto&) { done(e); });
@@ -83,7 +83,7 @@ class Exchange {
     request.method_string(call.method);
     request.target(call.path);
     request.version(11);
-    request.set(http::field::host, place_.name);
+    request.set(http::field::host, server_.name);
     request.set(http::field::connection, "close");
     for (const auto& [name, value] : call.headers) request.set(name, value);
     request.body() = call.body;
@@ -121,12 +121,12 @@ class Exchange {
   void read_pieces(beast::flat_buffer& buffer, http::response_parser<http::buffer_body>& pieces,
                    const std::function<void(std::string_view)>& take) {
     std::vector<char> piece(std::size_t{256} * 1024);
-    buffer.reserve(piece.size());  // Beast reads as much at once as it has room for
+    buffer.reserve(piece.size());  // Beast reads as much at once as fits into it
     while (!pieces.is_done()) {
       auto& body = pieces.get().body();
       body.data = piece.data();
       body.size = piece.size();
-      deadline_ = Clock::now() + limits_.header;  // a large file takes as long as it takes
+      deadline_ = Clock::now() + limits_.header;  // no limit for the whole file
       wait(limits_.header, [&](auto done) {
         http::async_read(stream_, buffer, pieces, [done](error_code e, std::size_t) {
           done(e == http::error::need_buffer ? error_code() : e);
@@ -164,7 +164,7 @@ class Exchange {
 
   const std::string address_;
   const ExchangeLimits limits_;
-  const Place place_;
+  const ServerAddress server_;
   Clock::time_point deadline_;
   asio::io_context io_{1};
   beast::tcp_stream stream_{io_};

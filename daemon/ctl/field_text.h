@@ -7,7 +7,7 @@
 
 namespace sslv {
 
-/// For a terminal, of the answers to GET /api/field, /api/field/agreement and /api/field/kicks.
+/// Answers to GET /api/field, /api/field/agreement and /api/field/kicks for a terminal.
 std::string field_text(const Json& field);
 std::string agreement_text(const Json& agreement);
 std::string kicks_text(const Json& kicks);

@@ -16,7 +16,7 @@ namespace sslv {
 
 LearntColors learn_from_recording(const Config& config, std::size_t camera_index, const LearnInput& input,
                                   std::ostream& problems) {
-  // The camera's own table is not asked for.
+  // An empty table, so that the camera's colour table, which is not needed, is not read.
   const CameraContext context = make_context(config, camera_index, std::make_shared<const Lut>());
   const Backend& files = find_backend("files", "--input");
   Json source{{"path", input.path}, {"frame_rate_hz", 0}, {"loop", false}};

@@ -6,8 +6,8 @@
 
 namespace sslv {
 
-/// What was learnt, without the table itself: problem, notes, robots and balls with their places in the
-/// images, and each label's figures.
+/// The result of learning, without the table itself: problem, notes, robots and balls with their places in
+/// the images, and each label's figures.
 Json learnt_colors_json(const LearntColors& learnt, const LabelSet& labels_known);
 
 }  // namespace sslv

@@ -5,7 +5,7 @@
 #include "config/stages.h"
 #include "config/version.h"
 #include "ctl/commands/commands.h"
-#include "kit/apart/stage_process.h"
+#include "kit/sandbox/stage_process.h"
 
 #include <cstdlib>
 #include <iostream>

@@ -147,14 +147,14 @@ PlayKey take_key(std::string& typed) {
     std::string_view sent;
     PlayKey key;
   };
-  // What begins with escape stands before what is one letter.
+  // Escape sequences must come before single letters.
   constexpr Key kKeys[] = {
       {"\x1b[A", PlayKey::kFaster}, {"\x1b[B", PlayKey::kSlower}, {"\x1b[C", PlayKey::kOn},
       {"\x1b[D", PlayKey::kBack},   {" ", PlayKey::kPause},       {".", PlayKey::kStep},
       {"+", PlayKey::kFaster},      {"-", PlayKey::kSlower},      {"g", PlayKey::kNextGoal},
       {"G", PlayKey::kLastGoal},    {"c", PlayKey::kNextCommand}, {"C", PlayKey::kLastCommand},
       {"k", PlayKey::kNextKick},    {"K", PlayKey::kLastKick},    {"q", PlayKey::kEnd},
-      {"\x03", PlayKey::kEnd},  // Ctrl-C, so that the terminal is put back
+      {"\x03", PlayKey::kEnd},  // Ctrl-C, so that the terminal's mode is restored
   };
   if (typed.empty()) return PlayKey::kNone;
   for (const Key& one : kKeys) {
@@ -186,10 +186,10 @@ PlayKey KeyReader::next(double seconds) {
 
 namespace {
 
-/// What is typed comes at once, key by key, and is not shown. Nothing where standard input is no terminal.
+/// Reads keys at once, without showing them. Does nothing if standard input is not a terminal.
 class Keys {
  public:
-  // In the background a terminal's keys are for somebody else.
+  // In the background, the terminal's keys belong to another program.
   Keys()
       : is_there_(::isatty(STDIN_FILENO) == 1 && ::tcgetpgrp(STDIN_FILENO) == ::getpgrp() &&
                   ::tcgetattr(STDIN_FILENO, &before_) == 0) {
@@ -206,7 +206,7 @@ class Keys {
 
   bool are_there() const { return is_there_; }
 
-  /// Waits for a key, at most so long.
+  /// Waits for a key for at most `seconds`.
   PlayKey next(double seconds) {
     if (is_there_) return reader_.next(seconds);
     std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
@@ -219,7 +219,7 @@ class Keys {
   KeyReader reader_{STDIN_FILENO};
 };
 
-/// False: it shall end.
+/// Executes a key's command. False: stop playing.
 bool obey(PlayKey key, MatchLogPlayer& player, const MatchLogPlayer::Send& send) {
   constexpr double kLeap_s = 10;
   using Kind = MatchEvent::Kind;
@@ -270,7 +270,7 @@ Played play_match_log(const std::filesystem::path& log, const PlayOptions& optio
   while (true) {
     const std::optional<double> due_s = player.play(steady_s(), send);
     if (options.until_s && player.at_s() >= *options.until_s) break;
-    // At a terminal somebody may go back from the end.
+    // At a terminal, a person may go back from the end.
     if (player.is_at_end() && !keys.are_there()) break;
     if (steady_s() - told_s > kTold_s) {
       told_s = steady_s();

@@ -5,7 +5,7 @@
 
 namespace sslv {
 
-/// For tools that look at the frames themselves: what the publish stage hands out goes nowhere.
+/// For tools that use the frames themselves: drops the publish stage's output.
 struct NoSink : DetectionSink {
   void publish(const FrameInfo&, const Scene&, const RobotList&, const BallList&) noexcept override {}
 };

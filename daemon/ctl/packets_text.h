@@ -7,7 +7,8 @@
 
 namespace sslv {
 
-/// The answer of /api/network/packets, with that of /api/network/listeners as its "listeners", for people.
+/// Human-readable text for the answer of /api/network/packets, to which the answer of /api/network/listeners
+/// was added as "listeners".
 std::string packets_text(const Json& packets);
 
 }  // namespace sslv

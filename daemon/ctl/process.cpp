@@ -14,7 +14,7 @@
 namespace sslv {
 namespace {
 
-/// What stages have to say in the end.
+/// Writes the stages' last notes.
 void write_notes(const Pipeline& pipeline, std::ostream& out) {
   for (std::size_t i = 0; i < pipeline.stack().size(); ++i) {
     const StageNotes::Note note = pipeline.note(i);
@@ -23,8 +23,8 @@ void write_notes(const Pipeline& pipeline, std::ostream& out) {
   }
 }
 
-/// Of frames that have no times of their own. Those of a folder may be of any times: the shorter the time
-/// between them, the less of what is at another place is taken for a ball that has moved.
+/// Rate of frames that have no times of their own. Frames in a folder may be from any times; with a short
+/// interval, things at another place are rarely mistaken for a ball that has moved.
 double rate_hz(const CameraSettings& camera) {
   constexpr double kFast_hz = 250;
   const auto given = camera.source.find("frame_rate_hz");
@@ -64,7 +64,7 @@ int process_recording(const Config& config, std::size_t camera_index, const Proc
     switch (input->next(captured, problem, std::chrono::seconds(10))) {
       case CaptureStatus::kImage: {
         const std::string name = captured.name;
-        // The recording's own time, or one that is the same each time: what stages remember depends on it.
+        // The recording's own time, or else a reproducible time: the stages' state depends on it.
         CaptureTimes& times = captured.times;
         times.t_capture_s = times.t_capture_camera_s.value_or(next_s);
         next_s = times.t_capture_s + interval_s;

@@ -28,7 +28,8 @@ void write_found(const ClipReplay::Result& result, std::ostream& out) {
 
 ReplayedCamera replay_camera(ClipReader& clip, std::uint32_t camera_id, const ReplayCommand& command) {
   ReplayedCamera out{camera_id};
-  // The live run again with its own settings; with others it is compared to that, so that both see the same.
+  // Repeats the live run with the clip's settings. The run with other settings is compared with this
+  // repetition, so that both runs have the same input.
   std::vector<std::vector<std::byte>> packets;
   const auto begin_s = steady_s();
   if (command.compares && command.other) {

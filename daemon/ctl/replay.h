@@ -15,7 +15,7 @@
 
 namespace sslv {
 
-/// What a clip holds, as JSON and for a terminal.
+/// The content of a clip, as JSON and for a terminal.
 Json clip_info_json(const std::filesystem::path& file, const ClipReader& clip);
 std::string clip_info_text(const Json& info);
 
@@ -28,21 +28,22 @@ struct ReplayCommand {
   std::ostream* found = nullptr;  // a JSON line for each frame, as `process` writes them
 };
 
-/// What a replay of one camera came to.
+/// Result of the replay of one camera.
 struct ReplayedCamera {
   std::uint32_t camera_id = 0;
-  std::uint64_t frames = 0, exact = 0;
-  std::uint64_t processed = 0;  // also those before the span
-  double clip_s = 0;            // from the first frame that was processed to the last
-  double took_s = 0;            // reading them and all
+  std::uint64_t frames = 0, exact = 0;  // exact: frames with ClipReplay::Result::is_exact
+  std::uint64_t processed = 0;          // including frames before the span
+  double clip_s = 0;                    // time from the first replayed frame to the last
+  double took_s = 0;                    // duration of the replay, including reading
   std::vector<std::string> doubts{};
   std::optional<ClipComparison> comparison{};
   bool differs = false;
 };
 
-/// One camera after the other. What is compared: the packets that were sent live with those of the replay;
-/// or, with other settings, those of a replay with the clip's own settings. Live packets differ when one byte
-/// does, others when things do by more than the limits. Throws ClipError and SettingsError.
+/// Replays one camera after the other. Without other settings, compares the live packets with the replay's
+/// packets: a camera differs if any byte differs. With other settings, compares a replay with the clip's own
+/// settings with a replay with the other settings: a camera differs if robots or balls differ by more than
+/// the limits. Throws ClipError and SettingsError.
 std::vector<ReplayedCamera> replay_cameras(ClipReader& clip, const ReplayCommand& command);
 
 Json replayed_json(const std::vector<ReplayedCamera>& cameras);

@@ -16,16 +16,16 @@ namespace {
 
 constexpr double kMatchMm = 100;
 
-/// A robot or ball of either file; balls have neither team nor id nor orientation.
+/// A robot or ball from either file; balls have neither team nor id nor orientation.
 struct Thing {
   std::string team;
   int id = 0;
   double x_mm = 0, y_mm = 0, orientation_rad = 0;
-  double visible_share = 1;  // of the truth only
+  double visible_share = 1;  // in the truth only
 };
 struct FrameThings {
   std::vector<Thing> robots, balls;
-  bool checked = true;  // of the truth only
+  bool checked = true;  // in the truth only
 };
 using Frames = std::map<std::string, FrameThings>;
 
@@ -70,7 +70,7 @@ struct Pair {
   double distance_mm;
 };
 
-/// Each detection and each true thing at most once, nearest pairs first.
+/// Pairs each detection and each true thing at most once, nearest pairs first.
 std::vector<Pair> match(const std::vector<Thing>& detections, const std::vector<Thing>& truth) {
   std::vector<Pair> near;
   for (const Thing& d : detections) {

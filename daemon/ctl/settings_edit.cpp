@@ -33,11 +33,11 @@ std::string keys_of(const Json& value) {
 
 // ---- schema
 
-/// A part of the schema, and where it belongs.
+/// A part of the schema and its place.
 struct SchemaPart {
   const Json* schema;
   std::string key;  // JSON Pointer
-  std::string of;   // the one of several alternatives that has it; empty: it is always there
+  std::string of;   // title of the oneOf alternative with this key; empty: in all alternatives
 };
 
 bool is_entry(const std::string& token) {
@@ -46,7 +46,7 @@ bool is_entry(const std::string& token) {
           std::all_of(token.begin(), token.end(), [](char c) { return c >= '0' && c <= '9'; }));
 }
 
-/// The parts one step below; several when alternatives have it.
+/// The parts one step below; more than one if several alternatives have the key.
 std::vector<SchemaPart> below(const SchemaPart& part, const std::string& token) {
   const Json& schema = *part.schema;
   const auto has = [&](const Json& object) {
@@ -126,7 +126,7 @@ Json json_or_text(const std::string& word) {
 Json patch_that_sets(const Json& tree, const std::vector<std::pair<std::string, std::string>>& pairs) {
   Json patch = Json::array();
   for (const auto& [pointer, word] : pairs) {
-    // "add" would shift a list's entries instead of replacing one.
+    // "add" would insert into a list instead of replacing an entry.
     patch.push_back({{"op", tree.contains(pointer_of(pointer)) ? "replace" : "add"},
                      {"path", pointer},
                      {"value", json_or_text(word)}});
@@ -153,7 +153,7 @@ std::string edit_text(const Json& edit) {
 
 std::string schema_text(const Json& schema, const std::string& pointer) {
   std::vector<SchemaPart> parts{{&schema, "", ""}};
-  // Pointers are taken apart from the back.
+  // Pointers can only be split from the back.
   std::vector<std::string> tokens;
   for (Json::json_pointer rest = pointer_of(pointer); !rest.empty(); rest.pop_back())
     tokens.push_back(rest.back());

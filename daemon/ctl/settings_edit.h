@@ -10,27 +10,28 @@
 
 namespace sslv {
 
-/// What stands at a JSON Pointer of a tree. Throws std::runtime_error when nothing does.
+/// Returns the value at a JSON Pointer of a tree. Throws std::runtime_error if there is none.
 const Json& value_at(const Json& tree, const std::string& pointer);
 
-/// What a word of the command line stands for: JSON, or else the word itself as a text.
+/// Reads a word of the command line as JSON, or else as text.
 Json json_or_text(const std::string& word);
 
-/// The JSON Patch that sets places of a tree, whether something is there or not. Throws std::runtime_error
-/// for what is no JSON Pointer.
+/// Returns the JSON Patch that sets values of a tree, whether or not they exist. Throws std::runtime_error
+/// for an invalid JSON Pointer.
 Json patch_that_sets(const Json& tree, const std::vector<std::pair<std::string, std::string>>& pairs);
 
-/// Applies a JSON Patch that was made for `read`, the answer of GET /api/settings; `dry_run` only has it
-/// checked. Answers {"changes": SettingsChange[]}, and with "revision" unless it was a dry run.
-/// Throws ClientError when it is refused, also when the settings were changed since.
+/// Applies a JSON Patch that was made for `read`, the answer of GET /api/settings; `dry_run` only validates
+/// it. Returns {"changes": SettingsChange[]}, with "revision" unless it was a dry run. Throws ClientError if
+/// it is refused, also if the settings were changed since.
 Json edit_settings(const Client& daemon, const Json& read, const Json& patch, bool dry_run);
-/// The same of an edit that is done: both are answers with the settings and their revision.
+/// Returns the same for an edit that is already made. `before`, `after`: answers with "settings" and
+/// "revision".
 Json edit_between(const Json& before, const Json& after);
-/// That answer for a terminal.
+/// Text for a terminal from the result of edit_settings() or edit_between().
 std::string edit_text(const Json& edit);
 
-/// The part of the settings' JSON Schema at a pointer, as a table: key, type, range, unit, help. In the
-/// pointer and in keys `*` stands for any entry of a list. Throws std::runtime_error for a key that is not.
+/// The part of the settings' JSON Schema at a pointer, as a table: key, type, range, unit, help. `*` in the
+/// pointer and in keys stands for any entry of a list. Throws std::runtime_error for an unknown key.
 std::string schema_text(const Json& schema, const std::string& pointer);
 
 }  // namespace sslv

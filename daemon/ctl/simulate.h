@@ -13,7 +13,7 @@ struct SimulateOptions {
   SourceContext context;         // camera, field and robot heights
   int frames = 100;
   double start_s = 0;  // Unix time of the first frame
-  std::string folder;  // made when it is missing
+  std::string folder;  // created if it is missing
   bool raw = false;    // bytes in the camera's pixel format (.raw) instead of images in full colour (.ppm)
 };
 

@@ -28,7 +28,7 @@ std::string duration_text(double seconds) {
   return fmt::format("{} h {} min", all / 3600, all % 3600 / 60);
 }
 
-/// What stages have to say. Warnings are alerts.
+/// The stages' notes, without warnings: those are shown as alerts.
 std::string notes_text(const std::string& whose, const Json& stages) {
   std::string out;
   for (const Json& stage : stages) {

@@ -7,30 +7,30 @@
 
 namespace sslv {
 
-// Answers of docs/openapi.json for a terminal.
+// Texts for a terminal from answers of docs/openapi.json.
 
-/// A stage's name, and the library that it comes from.
+/// A stage's name and its library.
 std::string stage_text(const Json& stage);
 
-/// Of GET /api/status.
+/// From GET /api/status.
 std::string status_text(const Json& status);
-/// Of GET /api/cameras: a line for each.
+/// From GET /api/cameras: a line for each camera.
 std::string cameras_text(const Json& cameras);
 
-/// Alerts by how bad they are, the worst first.
+/// Sorts alerts by severity, the worst first.
 Json worst_first(Json alerts);
 std::string alerts_text(const Json& alerts);
-/// Of GET /api/checks.
+/// From GET /api/checks.
 std::string checks_text(const Json& checks);
-/// A line of GET /api/log.
+/// From a line of GET /api/log.
 std::string log_line_text(const Json& line);
 
-/// Of GET /api/events: a line for each entry.
+/// From GET /api/events: a line for each entry.
 std::string events_text(const Json& events);
-/// Alerts that are or were bad.
+/// Returns the entries of GET /api/events that are alerts with the severity "bad".
 Json only_bad(const Json& entries);
 
-/// An alert says that something is bad.
+/// Whether any alert has the severity "bad".
 bool any_bad(const Json& alerts);
 
 }  // namespace sslv

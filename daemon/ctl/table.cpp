@@ -11,7 +11,7 @@
 namespace sslv {
 namespace {
 
-/// Characters of UTF-8.
+/// Number of UTF-8 characters.
 std::size_t width_of(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(
       text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));

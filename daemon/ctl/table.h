@@ -8,13 +8,13 @@ namespace sslv {
 
 struct Column {
   std::string title;
-  bool is_number = false;  // stands at the right
+  bool is_number = false;  // right-aligned
 };
 
-/// For a terminal: every column as wide as its widest cell, two spaces apart, under a line of titles.
+/// A table for a terminal: columns as wide as their widest cell, two spaces apart, under a line of titles.
 std::string table_text(const std::vector<Column>& columns, const std::vector<std::vector<std::string>>& rows);
 
-/// Unix time in seconds as the clock on the wall shows it.
+/// Unix time in seconds as local time.
 std::string local_time_text(double unix_s);
 
 }  // namespace sslv

@@ -7,16 +7,17 @@
 
 namespace sslv {
 
-// A server's words on their way to a terminal. It may be any server: what it sends is shown as text and never
-// as something the terminal obeys (plain_text.h).
+// Text from a server for a terminal. The server may be any server, so its text is escaped: the terminal shows
+// it and never interprets it (base/plain_text.h).
 
-/// An answer with every text and key in it escaped, so that it is one line and shows as what it is.
+/// Escapes every text and key of an answer, so that each is one line and is shown unchanged.
 Json plain_answer(const Json& answer);
 
-/// An answer as JSON: the same JSON for every reader, and safe for a terminal. `indent`: -1 for one line.
+/// An answer as JSON that has the same meaning for every parser and is safe for a terminal. `indent`: -1 for
+/// one line.
 std::string json_text(const Json& answer, int indent = 2);
 
-/// An answer as JSON, or as `text` has it for people.
+/// An answer as JSON, or as human-readable text by `text`.
 std::string answer_text(const Json& answer, bool as_json, std::string (*text)(const Json&));
 
 }  // namespace sslv

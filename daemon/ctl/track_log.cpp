@@ -27,10 +27,10 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Faster than anything of the league, and what a sighting may be off.
+/// Speeds above anything in the league, and the largest error of a measurement.
 constexpr double kRobotFastest_mm_s = 5000, kBallFastest_mm_s = 9000, kOffMm = 15;
 
-/// The last place of one thing.
+/// The last position of one thing.
 class Watch {
  public:
   void see(double t_s, const Vector2d& place_mm, double fastest_mm_s, Steadiness& out) {
@@ -57,7 +57,7 @@ struct Sink : FieldSink {
   void publish(const TrackedField&) noexcept override {}
 };
 
-/// The time at which a packet of the log came.
+/// Arrival time of the log's current packet.
 struct LogClock : FieldClock {
   double t_s = 0;
   double now_s() const noexcept override { return t_s; }
@@ -105,7 +105,7 @@ TrackedLog track_log(const std::filesystem::path& file, const Config& config,
     ++out.packets;
     const double now_s = static_cast<double>(message.time_ns) * 1e-9;
     if (!cameras.hear(*vision, "log", true, now_s, now_s, frame.arrived)) continue;
-    frame.arrived.image.is_of_other_computer = false;  // no camera of a log is ours, so all are alike
+    frame.arrived.image.is_of_other_computer = false;  // no camera of a log is ours: treat all alike
     const CameraSightings& image = frame.arrived.image;
     ids.insert(image.camera);
     clock.t_s = now_s;
@@ -126,7 +126,7 @@ TrackedLog track_log(const std::filesystem::path& file, const Config& config,
     if (smoother) take_later(frame.observations, now_s);
   }
   if (!reader.problem().empty()) throw StorageError(reader.problem());
-  // What is left is known by now.
+  // Output the tracks that are still delayed.
   constexpr double kPeriod_s = 1.0 / 75;
   for (double t_s = 0; smoother && first_s && t_s < options.later_s; t_s += kPeriod_s)
     take_later({}, clock.t_s + t_s);

@@ -11,12 +11,12 @@
 
 namespace sslv {
 
-/// How steady robots and balls are, as cameras saw them or as they are tracked.
+/// Steadiness of positions, as measured by cameras or as tracked.
 struct Steadiness {
-  std::size_t seen = 0;   // places told
-  std::size_t gaps = 0;   // times that one was gone for longer than kGap_s, and came back within kBack_s
-  double gaps_s = 0;      // so long altogether
-  std::size_t jumps = 0;  // from one to the next farther than anything moves in that time
+  std::size_t seen = 0;   // number of positions
+  std::size_t gaps = 0;   // absences longer than kGap_s that ended within kBack_s
+  double gaps_s = 0;      // total duration of the gaps
+  std::size_t jumps = 0;  // steps from one position to the next that are larger than any motion in that time
   double worst_jump_mm = 0;
 
   static constexpr double kGap_s = 0.1, kBack_s = 2;
@@ -25,14 +25,14 @@ struct Steadiness {
 struct TrackedLog {
   double seconds = 0;
   std::size_t packets = 0, cameras = 0;
-  Steadiness robots_before, robots_after;  // sightings of all cameras in the order of their times; tracks
-  Steadiness ball_before, ball_after;      // the surest ball of an image; the one that is played
+  Steadiness robots_before, robots_after;  // before: measurements of all cameras, by time; after: tracks
+  Steadiness ball_before, ball_after;      // before: most confident ball of an image; after: ball in play
   std::size_t kicks = 0;
 };
 
 struct TrackLogOptions {
-  double later_s = 0;              // tracks as they are known so much later; 0: as they are at once
-  std::ostream* tracks = nullptr;  // gets a line of JSON, as docs/openapi.json's FieldTracks, for each packet
+  double later_s = 0;              // smoothed tracks with this delay; 0: tracks without delay
+  std::ostream* tracks = nullptr;  // gets a JSON line for each packet: FieldTracks of docs/openapi.json
 };
 
 /// Runs the field's stack over the vision packets of a log of the league's logger. Throws StorageError.

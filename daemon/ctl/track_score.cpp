@@ -22,7 +22,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kMmPerMeter = 1000;
-/// What a track is there for a moment before it is good: so many packets are not compared.
+/// Number of packets that are not compared at first: a new track is not yet good.
 constexpr std::size_t kSettles = 150;
 constexpr double kWrongBallMm = 300;
 
@@ -33,7 +33,7 @@ double wrapped(double rad) {
   return std::remainder(rad, 2 * std::numbers::pi);
 }
 
-/// What everything does at a moment, by where it is just before and after.
+/// Time step for the derivatives of the true state.
 constexpr double kStep_s = 1e-3;
 
 }  // namespace

@@ -18,13 +18,13 @@
 
 namespace sslv {
 
-/// Compares tracks with where a simulated field says everything is at the packets' times.
+/// Compares tracks with the true state of a simulated field at the packets' times.
 class TrackScorer {
  public:
   /// `world` must outlive this.
   explicit TrackScorer(const SimulatedWorld& world) : world_(world) {}
 
-  /// A packet that came at that Unix time.
+  /// Adds a packet that arrived at the Unix time `now_s`.
   void add(const TrackedFrame& frame, double now_s);
 
   /// Absolute errors of one kind.
@@ -33,13 +33,13 @@ class TrackScorer {
     double quantile(double share) const;
     double rms() const;
   };
-  /// By what they are of: "robot place mm", ... Sorted by their names.
+  /// Errors by kind, sorted by name: "robot's place mm", ...
   const std::map<std::string, Errors>& errors() const { return errors_; }
 
   std::size_t packets() const { return packets_; }
   std::size_t robots_expected() const { return robots_expected_; }  // over all packets
   std::size_t robots_missing() const { return robots_missing_; }
-  std::size_t ghosts() const { return ghosts_; }  // robots that are not there, and second ones of an id
+  std::size_t ghosts() const { return ghosts_; }  // robots that do not exist, and repeated ids
   std::size_t balls_missing() const { return balls_missing_; }
   std::size_t balls_wrong() const { return balls_wrong_; }  // more than 300 mm off
 
@@ -53,14 +53,15 @@ class TrackScorer {
               balls_wrong_ = 0;
 };
 
-/// Listens to the tracks of a running service whose cameras are simulated, for so long. Throws SettingsError
-/// when they are not, or no tracks are sent, or none come.
+/// Receives the tracks of a running service with simulated cameras for `seconds`. Throws SettingsError if it
+/// sends no tracks, if they cannot be received, or if none arrive.
 TrackScorer score_tracks(const Config& config, const SimulatedWorld& world, double seconds);
-/// The field that the cameras of these settings see. Throws SettingsError when they do not see the same.
+/// The world of the first simulated camera in these settings; the other cameras must have the same
+/// options, which is not checked. Throws SettingsError if no camera is simulated.
 SimulatedWorld simulated_world(const Config& config);
 
 Json track_score_json(const TrackScorer& scorer);
-/// A table for people.
+/// A human-readable table.
 std::string track_score_text(const TrackScorer& scorer);
 
 }  // namespace sslv

@@ -21,7 +21,7 @@ std::string_view name_of(Team team) {
   return team == Team::kBlue ? "blue" : "yellow";
 }
 
-/// One image's line while it is corrected.
+/// Corrects the line of one image.
 class Correcting {
  public:
   Correcting(Json& line, const Scene& scene)
@@ -56,7 +56,7 @@ class Correcting {
   void add(const Corrections::BallAt& b) {
     add("balls", Json::object(), located(b.x_px, b.y_px, scene_.field.ball_radius), b.x_px, b.y_px);
   }
-  /// Once all is said: two robots may have changed their ids with each other.
+  /// Checked at the end: two robots may have swapped their ids.
   void finish() {
     for (const int number : named_) refuse_twice(thing(number));
   }

@@ -11,43 +11,43 @@
 
 namespace sslv {
 
-/// What a person says of one image of which the detector's finds are the first draft. Robots and balls are
-/// named by the numbers of their marks, places are pixels of the image.
+/// A person's corrections of one image, whose detections are the first draft. Robots and balls are identified
+/// by the numbers of their marks; places are pixels of the image.
 struct Corrections {
   struct RobotAt {
     Team team{};
     int id = 0;
     double x_px = 0, y_px = 0;              // middle of the pattern
-    double front_x_px = 0, front_y_px = 0;  // any place that it looks towards
+    double front_x_px = 0, front_y_px = 0;  // any place in front of the robot
   };
   struct BallAt {
     double x_px = 0, y_px = 0;
   };
-  std::vector<int> remove{};               // there is no such thing
-  std::vector<int> doubtful{};             // may be found or not
-  std::vector<std::pair<int, int>> ids{};  // mark, the robot's true id
-  std::vector<RobotAt> robots{};           // that were not found
+  std::vector<int> remove{};               // false detections
+  std::vector<int> doubtful{};             // count neither as found nor as missing
+  std::vector<std::pair<int, int>> ids{};  // a robot's mark and its true id
+  std::vector<RobotAt> robots{};           // missing in the draft
   std::vector<BallAt> balls{};
-  bool checked = false;  // what is left is true
+  bool checked = false;  // a person has confirmed all remaining marks
 
-  /// Nothing of the image's robots and balls changes.
+  /// Whether the image's robots and balls stay unchanged.
   bool empty() const {
     return remove.empty() && doubtful.empty() && ids.empty() && robots.empty() && balls.empty();
   }
 };
 
-/// A line of a truth file, as `score` reads them, from what was found: places in mm and pixels, "number" of
+/// Returns a line of a truth file, as `score` reads it, from detections: places in mm and pixels, "number" of
 /// the mark, "by" ("detector" or "hand"), and "checked": false.
 Json draft_of_truth(const std::string& name, const Frame& frame);
 
-/// Corrects such a line. Added places are carried to the field by the camera, robots at their team's height,
-/// balls at their radius. Numbers stay; what is added gets the next ones. Throws SettingsError, naming the
-/// image, for a mark that it has not, a place that is not in it or cannot be located, and a robot that is
-/// there twice; the line is then as it was.
+/// Corrects such a line. Added places are projected to the field with the camera model, robots at their
+/// team's height, balls at their radius. Marks keep their numbers; added marks get the next numbers. Throws
+/// SettingsError, naming the image, for an unknown mark, for a place outside the image or that cannot be
+/// located, and for a robot that is there twice; the line is then unchanged.
 void correct(Json& line, const Corrections& corrections, const Scene& scene);
 
-/// The lines of a truth file that was drafted so; none when there is no such file. Throws SettingsError for
-/// others, such as those of `simulate`: their things have no marks.
+/// Reads the lines of such a truth file; none if there is no file. Throws SettingsError for other files, such
+/// as truth files of `simulate`, whose robots and balls have no marks.
 std::vector<Json> read_truth(const std::string& file);
 
 /// A line for each mark, for a terminal.

@@ -5,8 +5,8 @@
 
 namespace sslv {
 
-/// How the ball slows down, for the teams' predictions; the defaults are the values of RoboCup 2026. One flat
-/// struct for SSL_BallModelStraightTwoPhase and SSL_BallModelChipFixedLoss.
+/// Deceleration of the ball, published for the teams' predictions. Defaults: RoboCup 2026. Combines
+/// SSL_BallModelStraightTwoPhase and SSL_BallModelChipFixedLoss in one flat struct.
 struct BallModels {
   double acc_slide = -3.40;
   double acc_roll = -0.45;

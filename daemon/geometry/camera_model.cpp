@@ -12,12 +12,12 @@
 namespace sslv {
 namespace {
 
-/// Solves ru = rd (1 + d rd^2) for rd in [0, rd_max] where the right side grows monotonically.
+/// Solves ru = rd (1 + d rd^2) for rd in [0, rd_max], in which the right side grows monotonically.
 double distort(double undistorted, double d, double rd_max) {
   if (d == 0 || undistorted == 0) return undistorted;
   double low = 0, high = d > 0 ? undistorted : rd_max;
   double rd = std::min(undistorted, high);
-  // Newton's method kept inside a shrinking bracket; quadratic near the root, so few rounds.
+  // Newton's method kept inside a shrinking bracket; quadratic near the root, so few iterations are needed.
   for (int i = 0; i < 60; ++i) {
     const double error = rd * (1 + d * rd * rd) - undistorted;
     (error > 0 ? high : low) = rd;
@@ -97,8 +97,8 @@ double CameraModel::mm2_per_px(const Eigen::Vector2d& pixel, double height_mm) c
   if (!direction) return 0;
   const double along = (height_mm - position_mm_.z()) / direction->z();
   if (!(along > 0) || !std::isfinite(along)) return 0;
-  // The lens' map grows areas by (1 + d r^2)(1 + 3 d r^2); a plane at a distance, seen at an angle, shows
-  // along^2 / |cos| of a unit of the undistorted image, whose rays have length 1 along the optical axis.
+  // Undistortion scales areas by (1 + d r^2)(1 + 3 d r^2). A unit area of the undistorted image covers
+  // along^2 / |direction z| of the plane, because its rays have length 1 along the optical axis.
   const double f = calibration_.focal_length, d = calibration_.distortion;
   const double x = (pixel.x() - calibration_.principal_point_x) / f,
                y = (pixel.y() - calibration_.principal_point_y) / f, r2 = x * x + y * y;

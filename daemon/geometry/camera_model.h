@@ -19,7 +19,7 @@ struct CameraCalibration {
   double distortion = 0;
   double q0 = 0, q1 = 0, q2 = 0, q3 = 1;
   double tx = 0, ty = 0, tz = 0;
-  int pixel_image_width = 0, pixel_image_height = 0;  // the image the calibration was made for
+  int pixel_image_width = 0, pixel_image_height = 0;  // size of the image for which the calibration was made
 
   static constexpr auto fields() {
     using C = CameraCalibration;
@@ -50,40 +50,45 @@ struct CameraCalibration {
 /// directions are exact inverses for every accepted distortion, of either sign.
 class CameraModel {
  public:
-  /// Throws SettingsError, beginning with `path`, for a quaternion that is not of unit length (within 1e-3;
-  /// it is then normalised) and for a distortion whose map is not one-to-one inside the image.
+  /// Normalises the quaternion. Throws SettingsError, its message starting with `path`, if the quaternion's
+  /// norm differs from 1 by 1e-3 or more, or if the distortion is not one-to-one inside the image.
   explicit CameraModel(const CameraCalibration& calibration, const std::string& path = "calibration");
 
-  /// Image of a point (mm); nothing when it lies behind the camera or beyond what the lens can show.
+  /// Projects a field point (mm) to a pixel. Nothing if the point lies behind the camera or beyond the
+  /// distortion's one-to-one range.
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_mm) const;
 
-  /// Where the ray through a pixel meets the plane z = height; nothing when it does not, or the pixel lies
-  /// beyond the lens' one-to-one range.
+  /// Intersection (mm) of a pixel's ray with the plane z = height_mm. Nothing if ray and plane do not meet,
+  /// or if the pixel lies beyond the distortion's one-to-one range.
   std::optional<Eigen::Vector2d> unproject(const Eigen::Vector2d& pixel, double height_mm) const;
 
-  /// Direction of the ray through a pixel in field coordinates, not normalised.
+  /// Direction of the ray through a pixel in field coordinates, not normalised. Nothing if the pixel lies
+  /// beyond the distortion's one-to-one range.
   std::optional<Eigen::Vector3d> ray(const Eigen::Vector2d& pixel) const;
 
-  /// Area on the plane z = height, in mm2, that one pixel covers there; 0 when it sees none of it.
+  /// Area (mm2) of the plane z = height_mm that one pixel covers; 0 if the pixel does not see the plane.
   double mm2_per_px(const Eigen::Vector2d& pixel, double height_mm) const;
 
   /// The projection centre in field millimetres: derived_camera_world_t*.
   const Eigen::Vector3d& position_mm() const { return position_mm_; }
+  /// The calibration from which this model was made.
   const CameraCalibration& calibration() const { return calibration_; }
 
-  /// All that it is, for a copy in another process (pipeline/part_codec.h), and one to copy into.
+  /// All members, for copying the model to another process (pipeline/part_codec.h). for_stored() makes an
+  /// instance to decode into.
   template <class Self>
   static auto stored(Self& self) {
     return std::tie(self.calibration_, self.rotation_, self.translation_mm_, self.position_mm_,
                     self.max_distorted_radius_);
   }
+  /// See stored().
   static CameraModel for_stored() { return CameraModel(CameraCalibration{}); }
 
  private:
   CameraCalibration calibration_;
   Eigen::Matrix3d rotation_;
   Eigen::Vector3d translation_mm_, position_mm_;
-  double max_distorted_radius_;  // the map is one-to-one below it
+  double max_distorted_radius_;  // the distortion is one-to-one below this radius
 };
 
 }  // namespace sslv

@@ -45,7 +45,7 @@ std::vector<Shape> with_thickness(std::vector<Shape> shapes, const FieldSize& fi
   return shapes;
 }
 
-/// `path_of_name`: the names so far.
+/// `path_of_name`: the names found so far, with their paths.
 template <class Shape>
 void check_names(const std::vector<Shape>& shapes, const std::string& path,
                  std::map<std::string, std::string>& path_of_name) {
@@ -60,7 +60,8 @@ void check_names(const std::vector<Shape>& shapes, const std::string& path,
   }
 }
 
-/// A size that is nearly all paint stays as it is, so that no line disappears.
+/// Subtracts the width of the paint. A size that would shrink below 2 mm stays unchanged, so that no line
+/// disappears.
 double less_paint(double size_mm, double paint_mm) {
   constexpr double kLeastMm = 2;
   return size_mm - paint_mm >= kLeastMm ? size_mm - paint_mm : size_mm;
@@ -71,7 +72,7 @@ double less_paint(double size_mm, double paint_mm) {
 FieldSize measured_to_middle(FieldSize field, LinesMeasured measured) {
   if (measured == LinesMeasured::kToMiddle) return field;
   const int paint_mm = field.line_thickness;
-  // As an arc of the field's own: the size of its circle is in whole millimetres.
+  // The arcs become custom arcs, because center_circle_radius holds whole millimetres only.
   std::vector<FieldArc> arcs = field_arcs(field);
   if (!field.field_arcs) {
     for (FieldArc& arc : arcs) arc.radius = less_paint(arc.radius, paint_mm / 2.0);
@@ -87,10 +88,10 @@ bool waits_behind_goal(const FieldSize& field, bool at_positive_x, double x_mm, 
   if (field.goal_substitution_area_width <= 0) return false;
   const double goal_line_mm = field.field_length / 2.0;
   const double wall_mm = goal_line_mm + field.boundary_width_goal_line;
-  // Whatever width is set, the playing area is none of it.
+  // A larger width does not extend into the playing area.
   const double begin_mm = std::max(goal_line_mm, wall_mm - field.goal_substitution_area_width);
   const double along_mm = at_positive_x ? x_mm : -x_mm;
-  // In Division B the area begins at the goal line, where a keeper may stand in its goal.
+  // In Division B, the area begins at the goal line, so exclude the goal, in which a goalkeeper may stand.
   if (std::abs(y_mm) < field.goal_width / 2.0 &&
       along_mm <= goal_line_mm + field.line_thickness / 2.0 + field.goal_depth)
     return false;

@@ -14,14 +14,15 @@
 
 namespace sslv {
 
-/// Lines, arcs, and bytes of the name of each: so many still leave room for the cameras in one datagram.
+/// Maximum number of lines, which is also the maximum number of arcs; maximum bytes of a name. With these
+/// limits, the cameras still fit into the same datagram.
 inline constexpr std::size_t kMaxShapes = 200, kMaxShapeName = 60;
 
 /// A painted line; the coordinates describe its centre, in field millimetres.
 struct FieldLine {
-  std::string name;  // the protocol's, such as "TopTouchLine", or one's own
+  std::string name;  // the protocol's name, such as "TopTouchLine", or a custom name
   double x1 = 0, y1 = 0, x2 = 0, y2 = 0;
-  double thickness = 0;  // in settings 0: the field's line_thickness
+  double thickness = 0;  // in settings, 0 means the field's line_thickness
 
   static constexpr auto fields() {
     constexpr double kFar = 100'000;
@@ -40,7 +41,7 @@ struct FieldLine {
 struct FieldArc {
   std::string name;
   double x = 0, y = 0, radius = 0, a1 = 0, a2 = 2 * std::numbers::pi;
-  double thickness = 0;  // in settings 0: the field's line_thickness
+  double thickness = 0;  // in settings, 0 means the field's line_thickness
 
   static constexpr auto fields() {
     constexpr double kFar = 100'000, kTwoTurns = 4 * std::numbers::pi;
@@ -74,7 +75,7 @@ struct FieldSize {
   int goal_center_to_penalty_mark = 6000;
   double ball_radius = 21.5;
   double max_robot_radius = 90;
-  std::optional<std::vector<FieldLine>> field_lines{};  // none: where the sizes say
+  std::optional<std::vector<FieldLine>> field_lines{};  // none: derived from the sizes, like the arcs
   std::optional<std::vector<FieldArc>> field_arcs{};
 
   static constexpr auto fields() {
@@ -110,32 +111,31 @@ struct FieldSize {
   }
 };
 
-/// What a field's sizes were measured to: the middle of its lines, as the rules say since February 2021
-/// ("Field Markings"), or their outer edges, as before that and in some labs. Lines and arcs of a field's own
-/// are given by their middle in either case.
+/// Sizes are measured to the middle of the lines, as the rules have required since February 2021 ("Field
+/// Markings"), or to their outer edges, as in earlier rules and some labs. Custom lines and arcs are always
+/// given by their middle.
 enum class LinesMeasured : std::uint8_t { kToMiddle, kToOuterEdge };
 inline constexpr std::array<Choice<LinesMeasured>, 2> kLinesMeasuredChoices{
     {{"middle", LinesMeasured::kToMiddle}, {"outer_edge", LinesMeasured::kToOuterEdge}}};
 
-/// The same field with its lines' sizes as the rules measure them, from middle to middle.
+/// Converts the sizes to the rules' convention: from middle to middle of the lines.
 FieldSize measured_to_middle(FieldSize field, LinesMeasured measured);
 
-/// Whether a robot with its centre there waits in the substitution area behind the goal line at the +x end or
-/// the other one, all of it, and not in the goal: the game controller (2026) does not count a team's robots
-/// behind its own goal.
+/// Whether a robot centred at (x, y) is entirely in the substitution area behind the goal line at +x (else at
+/// -x) and not in the goal. The game controller (2026) does not count a team's robots behind its own goal.
 bool waits_behind_goal(const FieldSize& field, bool at_positive_x, double x_mm, double y_mm);
 
-/// Throws SettingsError, beginning with `path`, for lines and arcs that cannot be told apart or do not fit
-/// into a packet.
+/// Throws SettingsError, its message starting with `path`, if names of lines and arcs are empty, too long or
+/// not unique, or if an arc's a2 is below its a1.
 void check_field(const FieldSize& field, const std::string& path);
 
-/// What is painted, each with its thickness: the field's own lines where it has some, else the league's for a
-/// field of this size, named as SSL_FieldShapeType. CenterLine is optional there; lines of a penalty area
-/// without size are left out.
+/// The painted lines and arcs, each with its thickness: custom lines and arcs if the field has any, else the
+/// league's lines and arcs for a field of this size, named as in SSL_FieldShapeType. CenterLine is optional
+/// among the league's lines; a penalty area without size has no lines.
 std::vector<FieldLine> field_lines(const FieldSize& field, bool with_center_line = true);
 std::vector<FieldArc> field_arcs(const FieldSize& field);
 
-/// A field of the league's rules.
+/// A field size from the league's rules.
 struct FieldPreset {
   std::string_view name;
   std::string_view help;
@@ -144,7 +144,7 @@ struct FieldPreset {
 
 std::span<const FieldPreset> field_presets();
 
-/// Throws SettingsError, beginning with `path`, for a name that is none of theirs.
+/// Throws SettingsError, its message starting with `path`, for an unknown name.
 const FieldSize& field_preset(const std::string& name, const std::string& path);
 
 }  // namespace sslv

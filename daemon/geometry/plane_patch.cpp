@@ -15,7 +15,7 @@ std::optional<PlanePatch> plane_patch(const CameraModel& camera, const Eigen::Ve
   if (!pixel) return std::nullopt;
   const double area = camera.mm2_per_px(*pixel, height_mm);
   if (!(area > 0)) return std::nullopt;
-  // Differences over half the reach spread the error evenly over the patch.
+  // Finite differences with half the reach as step distribute the error evenly over the patch.
   const double e = 0.5 * reach_mm / std::sqrt(area);
   const auto at = [&](double du, double dv) {
     return camera.unproject(*pixel + Eigen::Vector2d(du, dv), height_mm);

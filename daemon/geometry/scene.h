@@ -18,15 +18,16 @@ constexpr Team largest(Team) {
   return Team::kBlue;
 }
 
-/// What one camera's frames mean: the field, the camera and the height of the teams' patterns. Immutable
-/// while a frame is processed.
+/// Data needed to locate a camera's detections: the field, the camera model and the height of the teams'
+/// patterns. Immutable while a frame is processed.
 struct Scene {
   FieldSize field;
   std::optional<CameraModel> camera;  // none before calibration: nothing can be located then
   std::array<double, 2> robot_height_mm{140, 140};
-  /// Ids that play, by Team; none set: not known.
+  /// Robot ids in play, by Team; unknown if no bit is set.
   std::array<std::bitset<256>, 2> roster{};
 
+  /// Height of the team's patterns above the floor (mm).
   double height_of(Team team) const { return robot_height_mm[static_cast<std::size_t>(team)]; }
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The second needs the first.
+// gl2ext.h needs gl31.h.
 // clang-format off
 #include <GLES3/gl31.h>
 #include <GLES2/gl2ext.h>

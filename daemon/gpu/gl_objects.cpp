@@ -8,7 +8,7 @@
 namespace sslv {
 namespace {
 
-/// The driver's words, on one line.
+/// The driver's message, in one line.
 template <class Get>
 std::string log_of(GLuint name, const Get& get) {
   std::string text(1000, '\0');
@@ -93,7 +93,7 @@ void GlTexture::bind(int unit, GLenum format, int width, int height) {
   height_ = height;
   glBindTexture(GL_TEXTURE_2D, name);
   glTexStorage2D(GL_TEXTURE_2D, 1, format, width, height);
-  // Textures of whole numbers are incomplete with any other filter.
+  // Integer textures are incomplete with any other filter.
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
 }

@@ -9,7 +9,8 @@
 
 namespace sslv {
 
-/// A name of GL's, 0: none yet. Deleted only where a context is current: a lost one took all with it.
+/// Owns a GL object name; 0: none. Deletes the object only while a context is current: a lost context has
+/// destroyed all its objects.
 class GlName {
  public:
   using Delete = void (*)(GLuint name);
@@ -33,21 +34,21 @@ class GlName {
   Delete destroy_;
 };
 
-/// Memory of GL's that only grows.
+/// A GL buffer object that only grows.
 class GlBuffer {
  public:
-  /// `target` and `usage` as glBufferData has them.
+  /// `target` and `usage`: see glBufferData.
   GlBuffer(GLenum target, GLenum usage) : target_(target), usage_(usage) {}
 
-  /// Binds it, with room for so many bytes; what was in it is gone when it grows.
+  /// Binds the buffer with at least `bytes` of space; growing discards its contents.
   void bind(std::size_t bytes);
   GLuint name() const { return name_.get(); }
 
-  /// Room for `bytes` that are all written, or null. Unmap before GL reads them.
+  /// Maps `bytes` for writing; null on failure. Write all bytes, and call unmap() before GL reads them.
   void* map_to_write(std::size_t bytes);
-  /// The first `bytes`, when GL has written them; or null.
+  /// Maps the first `bytes` for reading after GL has written them; null on failure.
   const void* map_to_read(std::size_t bytes);
-  /// False: what was written is gone.
+  /// Returns false if the written contents were lost.
   bool unmap();
 
  private:
@@ -56,10 +57,10 @@ class GlBuffer {
   GlName name_{[](GLuint name) { glDeleteBuffers(1, &name); }};
 };
 
-/// A 2D texture of whole numbers, without filters.
+/// A 2D integer texture without filtering.
 class GlTexture {
  public:
-  /// Binds it to a unit, with this format and size.
+  /// Binds the texture to a unit with this format and size; a change of format or size discards the contents.
   void bind(int unit, GLenum format, int width, int height);
   GLuint name() const { return name_.get(); }
 
@@ -69,8 +70,8 @@ class GlTexture {
   GlName name_{[](GLuint name) { glDeleteTextures(1, &name); }};
 };
 
-/// A program of one compute shader, or of a vertex and a fragment shader. Empty when it is not GLSL as this
-/// driver knows it: `problem` has the driver's words.
+/// Builds a program from one compute shader, or from a vertex and a fragment shader. Empty if the driver
+/// rejects the GLSL; `problem` is then the driver's message.
 GlName compute_program(const std::string& shader, std::string& problem);
 GlName fragment_program(const std::string& vertex, const std::string& fragment, std::string& problem);
 

@@ -8,24 +8,26 @@
 
 namespace sslv {
 
-/// What the labels of one image take.
+/// The cost of labelling one image.
 struct LabelCost {
-  std::chrono::nanoseconds time{};      // until they are there
-  std::chrono::nanoseconds cpu_time{};  // of processors, all our threads together
+  std::chrono::nanoseconds time{};      // time until the labels are complete
+  std::chrono::nanoseconds cpu_time{};  // processor time of all our threads together
 };
 
-/// Whether the CPU or the GPU labels the next image: they take turns until both have been measured on so many
-/// of the camera's images that their medians say who is faster. Measured again every hour, and when the GPU
-/// has become slower than the CPU was. No clock, no thread: times are given to it.
+/// Chooses whether the CPU or the GPU labels the next image. CPU and GPU alternate until each has labelled
+/// kImages of the camera's images; then the side with the lower median time is chosen. Measures again every
+/// hour, and when the GPU has become slower than the CPU's last median. Has no clock and no thread: the
+/// caller passes the times.
 class GpuChoice {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
-  /// Images each; the first ones, which find caches cold, do not count.
+  /// Measured images per side. Before these, kWarmUp images with cold caches are not counted.
   static constexpr std::size_t kImages = 20, kWarmUp = 2;
-  /// Images on the GPU of which more than half took longer than the CPU's median: measured again.
+  /// Measure again if more than half of this many GPU images took longer than the CPU's median.
   static constexpr std::size_t kWatched = 64;
   static constexpr std::chrono::hours kEvery{1};
-  /// A GPU has to be so much faster: what is nearly the same would change with every measurement.
+  /// The GPU wins only below this fraction of the CPU's time; otherwise nearly equal times would change the
+  /// choice with each measurement.
   static constexpr double kGain = 0.9;
 
   struct Measured {
@@ -35,25 +37,26 @@ class GpuChoice {
     }
   };
 
-  /// Measures both again: another GPU, other images.
+  /// Restarts both measurements, for another GPU or other images.
   void begin();
-  /// Where the GPU is ready: whether it labels the next image. `always`: also when it is slower.
+  /// Whether the GPU, which must be ready, labels the next image. `always`: use the GPU even if it is slower.
   bool gpu_is_next(bool always) const;
-  /// What an image took by whom it was labelled, or by both where the GPU did not do it in time.
+  /// Adds the cost of an image. If the GPU did not finish in time, the cost includes both the GPU's attempt
+  /// and the CPU's labelling.
   void took(bool by_gpu, const LabelCost& cost, TimePoint now);
 
-  /// None while they are being measured for the first time since begin().
+  /// Empty during the first measurement since begin().
   const std::optional<Measured>& measured() const { return measured_; }
-  /// Of measurements: another number, other figures.
+  /// Number of completed measurements; changes with measured().
   int number() const { return number_; }
-  /// The CPU's median so far; zero: none yet.
+  /// The CPU's median so far; zero before the first image.
   std::chrono::nanoseconds cpu_time_so_far() const;
 
  private:
-  /// What one of the two took.
+  /// The costs of one side, CPU or GPU.
   struct Side {
     std::array<LabelCost, kImages> costs{};
-    std::size_t seen = 0;  // with those that do not count
+    std::size_t seen = 0;  // includes the warm-up images
     std::size_t count() const { return seen > kWarmUp ? seen - kWarmUp : 0; }
     bool is_full() const { return count() == kImages; }
     void add(const LabelCost& cost);

@@ -15,7 +15,7 @@
 namespace sslv {
 namespace {
 
-/// Whether a list of names separated by blanks has this one.
+/// Whether a space-separated list contains this name.
 bool has(const char* names, std::string_view name) {
   std::string_view rest = names != nullptr ? names : "";
   while (!rest.empty()) {
@@ -41,7 +41,7 @@ Function function_named(const char* name) {
   return reinterpret_cast<Function>(eglGetProcAddress(name));
 }
 
-/// A display that may give a context, and what to call it.
+/// A display that may provide a context, and its name.
 using Candidate = std::pair<EGLDisplay, std::string>;
 
 std::vector<Candidate> candidates() {
@@ -108,7 +108,7 @@ bool GpuContext::make_context() {
   const char* extensions = eglQueryString(display_, EGL_EXTENSIONS);
   EGLConfig config = EGL_NO_CONFIG_KHR;
   if (!has(extensions, "EGL_KHR_no_config_context")) {
-    // Nothing is drawn to a surface, so any kind of surface will do.
+    // Nothing is drawn to a surface, so any surface type will do.
     const std::array<EGLint, 5> wanted{EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE, EGL_OPENGL_ES3_BIT_KHR,
                                        EGL_NONE};
     EGLint count = 0;
@@ -154,7 +154,7 @@ void GpuContext::describe(const std::string& way) {
 std::string GpuContext::take_problem() {
   if (reset_status_ != nullptr && reset_status_() != GL_NO_ERROR) is_lost_ = true;
   std::string problem;
-  // A lost context may have no end of errors.
+  // Bounded: a lost context may return errors forever.
   for (int i = 0; i < 8; ++i) {
     const GLenum error = glGetError();
     if (error == GL_NO_ERROR) break;
@@ -165,7 +165,7 @@ std::string GpuContext::take_problem() {
 }
 
 void GpuContext::close() {
-  // The display stays open: EGL has one for all contexts of the process, and closing it ends them all.
+  // The display stays open: all EGL contexts of the process share it, and eglTerminate() would end them all.
   if (context_ != EGL_NO_CONTEXT) eglDestroyContext(display_, context_);
   context_ = EGL_NO_CONTEXT;
   display_ = EGL_NO_DISPLAY;
@@ -174,7 +174,7 @@ void GpuContext::close() {
 GpuContext::Use::Use(GpuContext& context) : context_(context) {
   is_current_ =
       !context.is_lost_ && eglMakeCurrent(context.display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context.context_);
-  // What another thread uses is not lost.
+  // EGL_BAD_ACCESS means that another thread uses the context, which is then not lost.
   if (!is_current_ && !context.is_lost_) context.is_lost_ = eglGetError() != EGL_BAD_ACCESS;
 }
 

@@ -6,17 +6,17 @@
 
 namespace sslv {
 
-/// There is no GPU that can be used; one line that says what was tried.
+/// No usable GPU. The text is one line that lists the attempts.
 struct GpuError : std::runtime_error {
   using runtime_error::runtime_error;
 };
 
-/// OpenGL ES without a window, a screen or a server: EGL's surfaceless platform, or one of its devices. A
-/// real GPU goes before Mesa's renderer on the CPU. The context is current only while a `Use` of it lives, so
-/// that one thread may make it and another use it, one after the other.
+/// OpenGL ES without a window, screen or server, through EGL's surfaceless platform or one of its devices.
+/// Prefers a real GPU to Mesa's software renderer. The context is current only during a `Use`, so one thread
+/// may create the context and another thread use it later.
 class GpuContext {
  public:
-  /// Throws GpuError where no EGL display gives a context of OpenGL ES 3.0 or later.
+  /// Throws GpuError if no EGL display provides a context of OpenGL ES 3.0 or later.
   GpuContext();
   ~GpuContext();
   GpuContext(const GpuContext&) = delete;
@@ -29,7 +29,7 @@ class GpuContext {
     ~Use();
     Use(const Use&) = delete;
     Use& operator=(const Use&) = delete;
-    /// False: the context is lost, or another thread uses it.
+    /// False if the context is lost or in use by another thread.
     explicit operator bool() const { return is_current_; }
 
    private:
@@ -37,19 +37,20 @@ class GpuContext {
     bool is_current_;
   };
 
-  /// GL's name of the renderer.
+  /// GL_RENDERER.
   const std::string& name() const { return name_; }
-  /// The same with the version, and how it was reached.
+  /// name() with the version and the EGL path used.
   const std::string& renderer() const { return renderer_; }
-  /// It is a program on the CPU.
+  /// Whether rendering runs on the CPU.
   bool is_software() const { return is_software_; }
-  /// OpenGL ES 3.1.
+  /// Whether there are compute shaders (OpenGL ES 3.1).
   bool has_compute() const { return has_compute_; }
   bool has_timer() const { return has_timer_; }
 
-  /// What went wrong since the last call, in a few words; empty: nothing. Needs a Use.
+  /// The problem since the last call, in a few words; empty if there was none. Needs a Use.
   std::string take_problem();
-  /// The GPU was reset, or its driver ended: nothing comes from this context any more. Make another one.
+  /// Whether this context is permanently unusable, because the GPU was reset or its driver ended. Create
+  /// another context then.
   bool is_lost() const { return is_lost_; }
 
   /// EGLDisplay and EGLContext.
@@ -66,7 +67,7 @@ class GpuContext {
 
   void* display_ = nullptr;
   void* context_ = nullptr;
-  ResetStatus reset_status_ = nullptr;  // where the driver tells of resets
+  ResetStatus reset_status_ = nullptr;  // null if the driver does not report resets
   std::string name_, renderer_;
   bool is_software_ = false, has_compute_ = false, has_timer_ = false, is_lost_ = false;
 };

@@ -20,7 +20,8 @@ bool is_rgb(PixelFormat format) {
   return is_bayer(format) || format == PixelFormat::kRgb24 || format == PixelFormat::kBgr24;
 }
 
-/// What the labels count of a row, without what a driver puts behind it: that of the last row need not exist.
+/// Bytes of a row that the labels cover, without the padding at the end of the row, which the camera driver
+/// may omit after the last row.
 std::size_t used_row_bytes(const ImageView& view, const LabelImage& labels) {
   return static_cast<std::size_t>(labels.width * labels.cell_px * bytes_per_pixel(view.format));
 }
@@ -29,7 +30,7 @@ void copy_rows(const ImageView& view, std::size_t row_bytes, const GroupedImage&
                const RowsThere* there) {
   const std::size_t out_row = grouped.image_row_bytes();
   const int rows = grouped.image_rows();
-  // What one thread reads while the next ones are written.
+  // This thread reads a band while another thread writes the next bands.
   constexpr std::size_t kBandBytes = 128 << 10;
   const int band = there == nullptr ? rows : static_cast<int>(std::max<std::size_t>(1, kBandBytes / out_row));
   for (int begin = 0; begin < rows; begin += band) {
@@ -45,7 +46,7 @@ void copy_rows(const ImageView& view, std::size_t row_bytes, const GroupedImage&
   }
 }
 
-/// Only what the mask shows, where there is one.
+/// Copies the labels inside the mask, or all without one.
 void copy_labels(const Mask* mask, const std::uint8_t* in, std::size_t in_row, LabelImage& labels) {
   for (int y = 0; y < labels.height; ++y, in += in_row) {
     Label* row = labels.row(y);
@@ -72,7 +73,7 @@ TableView table_for(const Lut& lut, PixelFormat format) {
   return {lut.id(), is_rgb(format), table.bits, table.labels};
 }
 
-/// What this GPU works with: all of it goes with the context.
+/// GL objects and programs, destroyed with the context.
 struct GpuThreshold::Pass {
   using Way = std::variant<ComputeThreshold, FragmentThreshold>;
   explicit Pass(Path path)
@@ -81,7 +82,7 @@ struct GpuThreshold::Pass {
   Way way;
 };
 
-/// The GPU's own clock for what a shader takes.
+/// Measures shader time with the GPU's own clock.
 struct GpuThreshold::Timer {
   GlName query{[](GLuint name) { glDeleteQueries(1, &name); }};
   PFNGLGETQUERYOBJECTUI64VEXTPROC result = nullptr;
@@ -93,7 +94,7 @@ struct GpuThreshold::Timer {
     query = GlName(name, [](GLuint old) { glDeleteQueries(1, &old); });
     clear_disjoint();
   }
-  /// Whether the clock jumped since the last time.
+  /// Whether the clock jumped since the last call.
   static bool clear_disjoint() {
     GLint jumped = 0;
     glGetIntegerv(GL_GPU_DISJOINT_EXT, &jumped);
@@ -101,7 +102,7 @@ struct GpuThreshold::Timer {
   }
   void begin() const { glBeginQuery(GL_TIME_ELAPSED_EXT, query.get()); }
   static void end() { glEndQuery(GL_TIME_ELAPSED_EXT); }
-  /// After glFinish(); `otherwise` when the clock does not tell.
+  /// Call after glFinish(). Returns `otherwise` if the clock has no valid result.
   std::chrono::nanoseconds elapsed(std::chrono::nanoseconds otherwise) const {
     GLuint64 ns = 0;
     if (result != nullptr) result(query.get(), GL_QUERY_RESULT, &ns);
@@ -116,12 +117,12 @@ GpuThreshold::GpuThreshold(GpuContext& context, Path path) : context_(context), 
   const GpuContext::Use use(context_);
   if (!use) throw GpuError("the context is lost or in use: " + context.renderer());
   start_again();
-  // Mesa's renderer on the CPU counts only what its rasteriser does.
+  // Mesa's software renderer counts only its rasteriser's time.
   if (context.has_timer() && !context.is_software()) timer_ = std::make_unique<Timer>();
 }
 
 GpuThreshold::~GpuThreshold() {
-  // So that what GL holds is given back, unless it went with the context.
+  // A current context lets GL free its objects; a lost context has destroyed them.
   const GpuContext::Use use(context_);
   pass_.reset();
   timer_.reset();
@@ -176,7 +177,7 @@ bool GpuThreshold::process(const TableView& table, const Mask* mask, const Image
   const bool is_made = make_labels(grouped, mask, view, labels, steps, rows);
   std::string problem = context_.take_problem();
   if (is_made && problem.empty()) return true;
-  // Whatever GL has not done (memory that it did not get) must not be taken for done with the next image.
+  // GL may have skipped work (out of memory). The next image must not rely on that work.
   start_again();
   return problem.empty() ? false : fail(std::move(problem));
 }

@@ -20,55 +20,55 @@ namespace sslv {
 
 struct GroupedImage;
 
-/// The labels of one table, ordered as LutTable has them: a Lut's own, or a copy of them.
+/// View of the labels of one colour table, in LutTable's order: a Lut's own labels or a copy.
 struct TableView {
-  std::uint64_t lut_id = 0;  // of the Lut that they are from
-  bool is_rgb = false;       // its table over RGB, else the one over YUV
+  std::uint64_t lut_id = 0;  // id of the Lut with these labels
+  bool is_rgb = false;       // the Lut's RGB table, otherwise its YUV table
   int bits = LutTable::kBits;
   std::span<const Label> labels;
 };
-/// The table that labels images of this format.
+/// The table for images of this format.
 TableView table_for(const Lut& lut, PixelFormat format);
 
-/// Threshold (vision/threshold.h) on the GPU: the same labels, bit by bit, of every format, size, stride,
-/// table and mask.
+/// Threshold (vision/threshold.h) on the GPU: bit-identical labels for every format, size, stride, table and
+/// mask.
 class GpuThreshold {
  public:
   enum class Path : std::uint8_t {
     kCompute,   // OpenGL ES 3.1
     kFragment,  // OpenGL ES 3.0
   };
-  /// What one image took, measured with waits between the steps, so that all of them together take longer
-  /// than an image that is not measured.
+  /// Durations of the steps for one image. Measuring waits between the steps, so their sum is longer than an
+  /// unmeasured image takes.
   struct Steps {
     std::chrono::nanoseconds upload, shader, read_back;
   };
 
-  /// The context stays longer than this. Throws GpuError when it does not have this path.
+  /// `context` must outlive this object. Throws GpuError if the context does not support this path.
   GpuThreshold(GpuContext& context, Path path);
-  /// By compute shaders where there are any.
+  /// Uses compute shaders if available.
   explicit GpuThreshold(GpuContext& context)
       : GpuThreshold(context, context.has_compute() ? Path::kCompute : Path::kFragment) {}
   ~GpuThreshold();
 
-  /// Makes the next images of this format quicker, when it is called before the first one: takes the table to
-  /// the GPU and makes the program. False as of process().
+  /// Optional: uploads the table and builds the program before the first image of this format. Returns false
+  /// for the same reasons as process().
   bool set_lut(const Lut& lut, PixelFormat format) noexcept;
 
-  /// Blocks until the labels are there. False: they are not, and the CPU must make them; problem() says why.
-  /// After a lost context (GpuContext::is_lost) that is so for ever; images that are too large for this GPU
-  /// do not keep it from others.
+  /// Blocks until the labels are complete. False: no labels were made, and the CPU must make them; problem()
+  /// gives the reason. The failure is permanent after a lost context (GpuContext::is_lost); after an image
+  /// that is too large for this GPU, other images still work.
   bool process(const Lut& lut, const Mask& mask, const Image& image, LabelImage& labels,
                Steps* steps = nullptr) noexcept {
     return process(table_for(lut, image.view().format), &mask, image.view(), labels, steps);
   }
-  /// Likewise; `table` is that for the image's format. Without a mask all of the image is labelled. Where
-  /// `rows` are given, the image's rows are read as they come.
+  /// The same with the `table` for the image's format. Without a mask, labels the whole image. With `rows`,
+  /// reads the image's rows as they become available.
   bool process(const TableView& table, const Mask* mask, const ImageView& view, LabelImage& labels,
                Steps* steps = nullptr, const RowsThere* rows = nullptr) noexcept;
 
   Path path() const { return path_; }
-  /// Of the last call that gave false; a few words.
+  /// The reason of the last failed call, in a few words.
   const std::string& problem() const { return problem_; }
 
  private:
@@ -84,7 +84,7 @@ class GpuThreshold {
   Path path_;
   std::unique_ptr<Pass> pass_;
   std::unique_ptr<Timer> timer_;
-  /// The table in the GPU's memory: its id, and whether it is the one over RGB.
+  /// The table in the GPU's memory: its Lut's id, and whether it is the RGB table.
   std::optional<std::pair<std::uint64_t, bool>> loaded_;
   std::string problem_;
 };

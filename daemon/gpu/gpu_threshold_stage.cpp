@@ -15,7 +15,7 @@ namespace {
 using StageClock = std::chrono::steady_clock;
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
-/// Time and processor time of the calling thread since it was made.
+/// Elapsed time and the calling thread's processor time since construction.
 class Stopwatch {
  public:
   LabelCost cost() const { return {StageClock::now() - begun_, cpu_now() - cpu_begun_}; }
@@ -31,7 +31,7 @@ class Stopwatch {
   std::chrono::nanoseconds cpu_begun_ = cpu_now();
 };
 
-/// A note's text, made without memory from the system.
+/// A note's text, formatted without allocating.
 class NoteText {
  public:
   template <class... Args>
@@ -63,7 +63,8 @@ void GpuThresholdStage::process(const Params& params, const Lut& lut, const Mask
     return;
   }
   const bool is_ready = worker_->takes(GpuWorker::work_for(lut, view));
-  // It has just told that it is ready, where it is.
+  // If is_ready, this is the open GPU's status, which the worker does not change while it waits for a
+  // request.
   const auto status = worker_->status();
   if (is_ready && std::exchange(measured_status_, status->number) != status->number) choice_.begin();
   const bool may_use = is_ready && (params.use == Use::kAlways || !status->is_software);
@@ -80,19 +81,19 @@ void GpuThresholdStage::process(const Params& params, const Lut& lut, const Mask
        *status, notes);
 }
 
-/// Whether there is a worker to be asked.
+/// Whether a worker exists; creates it if needed.
 bool GpuThresholdStage::start(Use use) {
   if (use == Use::kNever) return false;
   if (worker_ != nullptr || has_no_thread_) return worker_ != nullptr;
   try {
     worker_ = std::make_unique<GpuWorker>(open_, limits_.worker);
-  } catch (const std::exception&) {  // the system gives no more threads
+  } catch (const std::exception&) {  // the system provides no more threads
     has_no_thread_ = true;
   }
   return worker_ != nullptr;
 }
 
-/// False: not in time.
+/// False if the labels were not ready in time.
 bool GpuThresholdStage::label_on_gpu(const Lut& lut, const Mask& mask, const ImageView& image,
                                      LabelImage& labels) {
   const auto deadline = std::max(limits_.shortest_deadline, 2 * choice_.cpu_time_so_far());
@@ -102,7 +103,7 @@ bool GpuThresholdStage::label_on_gpu(const Lut& lut, const Mask& mask, const Ima
   return true;
 }
 
-/// With an image, or before it takes any.
+/// Whether the worker hangs, with an image or while opening.
 bool GpuThresholdStage::hangs(const GpuWorker::Status& status, bool is_ready, StageClock::time_point now) {
   using Kind = GpuWorker::Status::Kind;
   const bool is_opening = !is_ready && (status.kind == Kind::kOpening || status.kind == Kind::kOpen);
@@ -119,7 +120,8 @@ GpuThresholdStage::Told GpuThresholdStage::told_now(Use use, const GpuWorker::St
     return {Told::Kind::kSoftware, use, status.number};
   if (is_ready && choice_.measured()) return {Told::Kind::kMeasured, use, choice_.number()};
   if (is_ready) return {Told::Kind::kMeasuring, use, status.number};
-  // It gets ready for other images, or is late with one: not for long, or it will be told.
+  // The GPU is preparing for other images or is late with an image. Keep the note: a long delay will be
+  // reported.
   if (status.kind == GpuWorker::Status::Kind::kOpen) return told_;
   return {Told::Kind::kStatus, use, status.number};
 }
@@ -165,7 +167,7 @@ void GpuThresholdStage::say_status(const GpuWorker::Status& status, bool is_want
       break;
     case GpuWorker::Status::Kind::kOpen: break;
     case GpuWorker::Status::Kind::kNoGpu: {
-      // Only who asks for one by name misses it.
+      // Warn only if the admin requires a GPU.
       const NoteText text("The CPU labels: {:.160}; next try in {:.0f} s.", status.problem, wait_s);
       is_wanted ? notes.warn(text) : notes.say(text);
       break;

@@ -19,8 +19,8 @@
 
 namespace sslv {
 
-/// Threshold (vision/threshold.h), on a GPU where there is one that is faster: the same labels, bit by bit.
-/// The CPU labels every image that no GPU labels in time: while one is opened, lost, or hangs.
+/// Threshold (vision/threshold.h), on a GPU if it is faster: bit-identical labels. The CPU labels every image
+/// that no GPU labels in time: while the GPU is being opened, is lost, or hangs.
 class GpuThresholdStage {
  public:
   enum class Use : std::uint8_t { kWhenFaster, kAlways, kNever };
@@ -38,9 +38,9 @@ class GpuThresholdStage {
   };
 
   struct Limits {
-    /// An image waits so long for the GPU, or twice the time that the CPU takes, if that is more.
+    /// An image waits at most this long for the GPU, or twice the CPU's time if that is more.
     std::chrono::nanoseconds shortest_deadline = std::chrono::milliseconds(10);
-    /// One that is not ready by then hangs.
+    /// A GPU that is not ready after this time counts as hung.
     std::chrono::nanoseconds longest_opening = std::chrono::seconds(30);
     GpuWorker::Limits worker{};
   };
@@ -51,11 +51,11 @@ class GpuThresholdStage {
   void process(const Params& params, const Lut& lut, const Mask& mask, const Image& image, LabelImage& labels,
                StageNotes& notes) noexcept;
 
-  /// The last image's labels are a GPU's.
+  /// Whether a GPU computed the last image's labels.
   bool was_on_gpu() const { return was_on_gpu_; }
 
  private:
-  /// What the admin was told last, so that it is said once.
+  /// The last note for the admin, so that each note is reported once.
   struct Told {
     enum class Kind : std::uint8_t {
       kNothing,
@@ -65,11 +65,11 @@ class GpuThresholdStage {
       kSoftware,
       kMeasuring,
       kMeasured,
-      kStatus,  // the worker's
+      kStatus,  // the worker's status
     };
     Kind kind = Kind::kNothing;
     Use use = Use::kWhenFaster;
-    int number = 0;  // of the status or the measurement
+    int number = 0;  // number of the worker's status or of the measurement
     bool operator==(const Told&) const = default;
   };
 
@@ -83,11 +83,11 @@ class GpuThresholdStage {
   const OpenDevice open_;
   const Limits limits_;
   Threshold cpu_;
-  std::unique_ptr<GpuWorker> worker_;  // from the first image on that may need it
+  std::unique_ptr<GpuWorker> worker_;  // created for the first image that may need it
   bool has_no_thread_ = false;
   GpuChoice choice_;
-  int measured_status_ = -1;                               // number of that which `choice_` is about
-  std::chrono::steady_clock::time_point opening_since_{};  // 0: it is not being opened
+  int measured_status_ = -1;                               // number of the status that `choice_` measures
+  std::chrono::steady_clock::time_point opening_since_{};  // 0: not opening
   bool was_on_gpu_ = false;
   Told told_;
 };

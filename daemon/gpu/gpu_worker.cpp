@@ -24,17 +24,18 @@ namespace {
 
 using WorkerClock = GpuWorker::Clock;
 
-/// Who may touch the request: the camera's thread in kIdle and kDone, else the worker's.
+/// State of the request. Only the camera's thread may access the request in kIdle and kDone, and only the
+/// worker's thread in the other states.
 enum class Turn : std::uint8_t {
   kClosed,   // no GPU is open
-  kIdle,     // it waits for a request
-  kPrepare,  // it is asked to get ready
-  kAsked,    // it is asked for labels
-  kLate,     // likewise, but nobody waits for them any more
-  kDone,     // there they are
+  kIdle,     // waits for a request
+  kPrepare,  // preparation requested
+  kAsked,    // labels requested
+  kLate,     // labels requested, but the camera's thread no longer waits for them
+  kDone,     // labels ready
 };
 
-/// Never empty.
+/// The device's problem as a text that is never empty.
 std::string problem_of(const ThresholdDevice& device) {
   return device.problem().empty() ? "there are no labels" : device.problem();
 }
@@ -48,7 +49,7 @@ std::chrono::nanoseconds this_threads_cpu_time() {
 void copy_rows_to(std::uint8_t* out, std::ptrdiff_t out_stride, const ImageView& image, RowsThere& there) {
   const std::size_t row_bytes =
       static_cast<std::size_t>(image.width) * static_cast<std::size_t>(bytes_per_pixel(image.format));
-  // So seldom that the other thread has something to do, so often that it does not wait.
+  // A band is large enough to keep the other thread busy, and small enough not to let it wait.
   constexpr std::ptrdiff_t kBandBytes = 64 << 10;
   const int band = static_cast<int>(std::max<std::ptrdiff_t>(1, kBandBytes / out_stride));
   for (int begin = 0; begin < image.height; begin += band) {
@@ -60,7 +61,7 @@ void copy_rows_to(std::uint8_t* out, std::ptrdiff_t out_stride, const ImageView&
 
 }  // namespace
 
-/// What both threads have. Goes with the later of them.
+/// State shared by both threads, freed by the last thread.
 struct GpuWorker::Shared {
   Shared(OpenDevice open_device, const Limits& its_limits)
       : open(std::move(open_device)), limits(its_limits) {}
@@ -72,13 +73,13 @@ struct GpuWorker::Shared {
   std::atomic<bool> is_ending{false}, has_ended{false};
   Bell to_worker, to_camera;
 
-  /// The request; `turn` says whose it is.
+  /// `turn` selects the thread that may access the request.
   struct Request {
-    Work work;                          // that it is ready for, or is asked to get ready for
-    Work unfit;                         // which it could not get ready for
-    std::vector<std::uint8_t> image{};  // rows as the GPU has them
+    Work work;                          // work that is prepared or to be prepared
+    Work unfit;                         // work that could not be prepared
+    std::vector<std::uint8_t> image{};  // rows in the GPU's layout
     std::ptrdiff_t stride_bytes = 0;
-    RowsThere rows{};  // of the image
+    RowsThere rows{};  // available rows of the image
     std::vector<Label> table{};
     TableView table_view{};
     LabelImage labels{};
@@ -107,7 +108,7 @@ struct GpuWorker::Shared {
 
 void GpuWorker::Shared::serve() noexcept {
   pthread_setname_np(pthread_self(), "gpu threshold");
-  Status gone;  // of the GPU that was open last
+  Status gone;  // status of the GPU opened last
   for (auto wait = limits.shortest_wait; !is_ending; wait = std::min(2 * wait, limits.longest_wait)) {
     const auto tell_why = [&](std::string problem) {
       turn = Turn::kClosed;
@@ -124,7 +125,7 @@ void GpuWorker::Shared::serve() noexcept {
       std::string problem = work_with(*device);
       if (is_ending) return;
       if (WorkerClock::now() - begun >= limits.sound_after) wait = limits.shortest_wait;
-      // Before the device is closed, which may take long or hang.
+      // Report before closing the device, which may take long or hang.
       tell_why(std::move(problem));
     } catch (const std::exception& error) {
       tell_why(error.what());
@@ -133,8 +134,8 @@ void GpuWorker::Shared::serve() noexcept {
   }
 }
 
-/// In a thread with no priority of the camera's, which has to go on while a driver starts: its own threads
-/// take over what that thread has.
+/// Opens the device in a thread of normal priority, because the driver's own threads inherit the priority and
+/// must not compete with the camera's thread.
 std::unique_ptr<ThresholdDevice> GpuWorker::Shared::open_beside() const {
   std::unique_ptr<ThresholdDevice> device;
   std::exception_ptr problem;
@@ -150,7 +151,8 @@ std::unique_ptr<ThresholdDevice> GpuWorker::Shared::open_beside() const {
   return device;
 }
 
-/// Until it ends, or the device has failed: says why, and is not empty then.
+/// Serves requests until the worker ends or the device fails. Returns why the device failed; empty if the
+/// worker ends.
 std::string GpuWorker::Shared::work_with(ThresholdDevice& device) {
   request.work = request.unfit = Work{};
   turn = Turn::kIdle;
@@ -160,7 +162,7 @@ std::string GpuWorker::Shared::work_with(ThresholdDevice& device) {
     switch (turn.load()) {
       case Turn::kPrepare: problem = prepare(device); break;
       case Turn::kAsked: problem = make_labels(device); break;
-      case Turn::kLate: turn = Turn::kIdle; break;  // given up before it was begun
+      case Turn::kLate: turn = Turn::kIdle; break;  // given up before it was started
       default:
         if (!is_ending) to_worker.wait(mark, WorkerClock::now() + std::chrono::hours(1));
     }
@@ -169,8 +171,9 @@ std::string GpuWorker::Shared::work_with(ThresholdDevice& device) {
   return {};
 }
 
-/// Memory, shader, and all that a driver puts off until the first image. Says why the device has failed; what
-/// it only cannot do is told.
+/// Allocates memory, builds the shader, and triggers everything that a driver defers to the first image.
+/// Returns why the device failed; otherwise empty. Work that the device does not support is reported in the
+/// status.
 std::string GpuWorker::Shared::prepare(ThresholdDevice& device) {
   const Work& work = request.work;
   const int cell_px = is_bayer(work.format) ? 2 : 1;
@@ -185,7 +188,7 @@ std::string GpuWorker::Shared::prepare(ThresholdDevice& device) {
       .bits = work.table_bits,
       .labels = request.table};
   request.rows.set(work.height);
-  // The second one finds everything made.
+  // The second call runs with everything prepared.
   bool is_made = true;
   for (int i = 0; i < 2 && is_made; ++i)
     is_made = device.process(request.table_view, copy_of_image(), request.rows, request.labels);
@@ -203,7 +206,7 @@ std::string GpuWorker::Shared::prepare(ThresholdDevice& device) {
   return {};
 }
 
-/// Says why the device has failed.
+/// Returns why the device failed; otherwise empty.
 std::string GpuWorker::Shared::make_labels(ThresholdDevice& device) {
   const auto begun = WorkerClock::now();
   const auto cpu_begun = this_threads_cpu_time();
@@ -282,7 +285,7 @@ GpuWorker::Answer GpuWorker::label(const Lut& lut, const ImageView& image, Label
     request.table_view = table;
     request.table_view.labels = request.table;
   }
-  // It wakes up, and copies further what is there, while this thread still copies.
+  // The worker wakes up and copies the available rows while this thread is still copying.
   request.rows.set(0);
   shared.turn = Turn::kAsked;
   shared.to_worker.ring();

@@ -15,28 +15,29 @@
 
 namespace sslv {
 
-/// Labels images on a GPU for a camera's thread, which never waits longer than it says. Everything that a
-/// driver may block in (opening, shaders, images, closing) happens in a thread of the worker's own. That
-/// thread works on copies only, so that one that hangs touches nothing that is gone.
+/// Labels images on a GPU for a camera's thread, which never waits longer than its deadline. All calls in
+/// which a driver may block (opening, shaders, images, closing) run in the worker's own thread. That thread
+/// uses only copies, so a hanging thread accesses no freed memory.
 class GpuWorker {
  public:
   using Clock = std::chrono::steady_clock;
 
   struct Limits {
-    /// A GPU that answers later than this is closed and opened again.
+    /// A GPU that takes longer to answer is closed and reopened.
     std::chrono::nanoseconds hangs_after = std::chrono::seconds(1);
-    /// Between a loss, or no GPU, and the next try: doubled with each try, until one was `sound_after` well.
+    /// Wait before reopening after a loss or without a GPU. Doubled with each try, reset after the GPU has
+    /// worked for `sound_after`.
     std::chrono::nanoseconds shortest_wait = std::chrono::seconds(1);
     std::chrono::nanoseconds longest_wait = std::chrono::minutes(5);
     std::chrono::nanoseconds sound_after = std::chrono::minutes(1);
-    /// How long the end of the worker waits for its thread before it leaves it behind.
+    /// Maximum time for which the destructor waits for the thread before detaching it.
     std::chrono::nanoseconds longest_end = std::chrono::seconds(2);
   };
 
-  /// What the thread gets ready for: memory of that size, a shader for that format.
+  /// The work to prepare for: buffers of this size, a shader for this format.
   struct Work {
     PixelFormat format = PixelFormat::kMono8;
-    int width = 0, height = 0;  // of the image, in pixels
+    int width = 0, height = 0;  // size of the image in pixels
     int table_bits = 0;
     bool operator==(const Work&) const = default;
   };
@@ -44,46 +45,46 @@ class GpuWorker {
 
   struct Status {
     enum class Kind : std::uint8_t {
-      kOpening,  // for the first time
-      kOpen,     // and ready for what it was asked for
-      kNoGpu,    // looked for again after `wait`
-      kLost,     // likewise
-      kUnfit,    // there is one, but not for the work that it was last asked for
+      kOpening,  // opening the GPU for the first time
+      kOpen,     // open and ready for the requested work
+      kNoGpu,    // no GPU; retried after `wait`
+      kLost,     // GPU lost; reopened after `wait`
+      kUnfit,    // the GPU cannot do the work requested last
     };
     Kind kind = Kind::kOpening;
-    std::string name;  // of the GPU
+    std::string name;  // name of the GPU
     bool is_software = false;
-    std::string problem;              // empty while nothing is wrong
-    std::chrono::nanoseconds wait{};  // until the next try
-    int number = 0;                   // of changes before it
+    std::string problem;              // empty without a problem
+    std::chrono::nanoseconds wait{};  // time until the next try
+    int number = 0;                   // number of status changes so far
   };
 
-  /// Its thread has the priority and processors of the caller. Throws std::system_error when the system gives
-  /// none.
+  /// The worker's thread inherits the caller's priority and processors. Throws std::system_error if the
+  /// thread cannot be created.
   explicit GpuWorker(OpenDevice open) : GpuWorker(std::move(open), Limits()) {}
   GpuWorker(OpenDevice open, const Limits& limits);
-  /// Not for a thread that must not wait.
+  /// Waits up to `longest_end`.
   ~GpuWorker();
   GpuWorker(const GpuWorker&) = delete;
   GpuWorker& operator=(const GpuWorker&) = delete;
 
-  // All of these are for one thread, the camera's. None allocates, none takes a lock.
+  // The following functions are for the camera's thread only. They allocate nothing and take no lock.
 
-  /// Whether it labels such images at once. If not, it gets ready for them as soon as it can.
+  /// Whether images of this kind can be labelled now. If not, starts preparing for them as soon as possible.
   bool takes(const Work& work) noexcept;
 
   enum class Answer : std::uint8_t {
     kLabels,
     kNone,  // the GPU has failed
-    kLate,  // not by then; what still comes of it is thrown away
+    kLate,  // no labels by the deadline; a later result is discarded
   };
-  /// Only after takes() said so for work_for(lut, image). Labels all of the image, without a mask, into
-  /// memory that it swaps with what `labels` had.
+  /// Call only after takes(work_for(lut, image)) returned true. Labels the whole image without a mask, and
+  /// swaps the result into `labels`.
   Answer label(const Lut& lut, const ImageView& image, LabelImage& labels, Clock::time_point until) noexcept;
 
-  /// What the newest labels took of a processor, apart from what they took of the caller's.
+  /// The worker thread's processor time for the newest labels, without the caller's.
   std::chrono::nanoseconds cpu_time() const { return cpu_time_; }
-  /// An image was given up for being late so long ago, and the GPU still has not answered.
+  /// Whether the GPU has not answered within `hangs_after` since an image was given up as late.
   bool hangs() const noexcept;
 
   Handover<Status>::Use status() noexcept;
@@ -91,7 +92,7 @@ class GpuWorker {
  private:
   struct Shared;
 
-  const std::shared_ptr<Shared> shared_;  // with the thread, which may have to be left behind
+  const std::shared_ptr<Shared> shared_;  // shared with the thread, which may have to be detached
   Clock::time_point late_since_{};
   std::chrono::nanoseconds cpu_time_{};
   std::thread thread_;

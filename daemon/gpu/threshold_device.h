@@ -12,27 +12,27 @@
 
 namespace sslv {
 
-/// What labels images in the place of the CPU, for one thread that may wait for it: a GPU, or a test's fake.
+/// Labels images instead of the CPU, for one thread that may wait: a GPU, or a test's fake.
 class ThresholdDevice {
  public:
   virtual ~ThresholdDevice() = default;
 
   virtual const std::string& name() const = 0;
-  /// It is a program on the CPU.
+  /// Whether rendering runs on the CPU.
   virtual bool is_software() const = 0;
-  /// All of the image, without a mask; its rows are still being written. False: there are no labels, and
-  /// problem() says why.
+  /// Labels the whole image, without a mask, while its rows are still being written. False: there are no
+  /// labels, and problem() gives the reason.
   virtual bool process(const TableView& table, const ImageView& image, const RowsThere& rows,
                        LabelImage& labels) noexcept = 0;
   virtual const std::string& problem() const = 0;
-  /// Nothing comes from it any more.
+  /// Whether the device is permanently unusable.
   virtual bool is_lost() const = 0;
 };
 
-/// Throws GpuError, with one line, when there is none. May take seconds.
+/// Opens a device. Throws GpuError with one line if there is none. May take seconds.
 using OpenDevice = std::function<std::unique_ptr<ThresholdDevice>()>;
 
-/// This computer's GPU, by compute shaders where it has them.
+/// This computer's GPU, with compute shaders if available.
 std::unique_ptr<ThresholdDevice> open_gpu();
 
 }  // namespace sslv

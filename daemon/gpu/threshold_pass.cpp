@@ -7,7 +7,7 @@
 namespace sslv {
 namespace {
 
-// The shaders take the first byte of a word for its lowest.
+// The shaders read the first byte of a word as its lowest.
 static_assert(std::endian::native == std::endian::little);
 
 constexpr int kImageUnit = 0, kTableUnit = 1, kLabelUnit = 2;
@@ -26,10 +26,10 @@ GLint uniform(GLuint program, const char* name) {
 
 // ---- compute
 
-ComputeThreshold::ComputeThreshold() : most_bytes_(limit(GL_MAX_SHADER_STORAGE_BLOCK_SIZE)) {}
+ComputeThreshold::ComputeThreshold() : max_bytes_(limit(GL_MAX_SHADER_STORAGE_BLOCK_SIZE)) {}
 
 bool ComputeThreshold::takes(const GroupedImage& image) const {
-  return std::max(image.image_bytes(), image.label_bytes()) <= most_bytes_;
+  return std::max(image.image_bytes(), image.label_bytes()) <= max_bytes_;
 }
 
 bool ComputeThreshold::prepare(PixelFormat format, int bits, std::string& problem) {
@@ -62,9 +62,9 @@ void ComputeThreshold::run(const GroupedImage& image) {
   const auto groups = static_cast<GLuint>(image.groups_a_row) * static_cast<GLuint>(image.rows);
   glUseProgram(program_);
   glUniform1ui(uniform(program_, "group_count"), groups);
-  // Absent from programs that do not need it, which GL allows.
+  // GL ignores this call for programs without the uniform.
   glUniform1ui(uniform(program_, "groups_a_row"), static_cast<GLuint>(image.groups_a_row));
-  // No GPU need take more than 65,535 work groups a direction.
+  // GL guarantees only 65,535 work groups per dimension.
   constexpr GLuint kAtMost = 32'768;
   const GLuint work_groups = (groups + kWorkGroup - 1) / kWorkGroup;
   const GLuint columns = std::min(work_groups, kAtMost);
@@ -126,7 +126,7 @@ bool FragmentThreshold::upload(const GroupedImage& image) {
 }
 
 void FragmentThreshold::run(const GroupedImage& image) {
-  // The one format of whole numbers that every GPU both draws to and reads back as it is.
+  // The only integer format that every GPU can both render to and read back unchanged.
   labels_.bind(kLabelUnit, GL_RGBA32UI, image.groups_a_row, image.rows);
   glBindFramebuffer(GL_FRAMEBUFFER, frame_.get());
   glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, labels_.name(), 0);

@@ -14,10 +14,10 @@
 
 namespace sslv {
 
-/// An image and its labels as they lie in the GPU's memory: row after row, each of whole groups.
+/// Layout of an image and its labels in the GPU's memory: row after row, each padded to whole groups.
 struct GroupedImage {
   PixelFormat format;
-  int groups_a_row, rows;  // of labels
+  int groups_a_row, rows;  // label groups per row; label rows
 
   int image_rows() const { return rows * rows_a_cell(format); }
   std::size_t image_row_bytes() const {
@@ -28,10 +28,10 @@ struct GroupedImage {
   std::size_t label_bytes() const { return label_row_bytes() * static_cast<std::size_t>(rows); }
 };
 
-/// A program for each format and number of bits, made when it is first needed.
+/// One program per format and number of bits, built when first needed.
 class ThresholdPrograms {
  public:
-  /// Null, and a problem, when it cannot be made. `make` is called with the problem.
+  /// Calls `make` with `problem` to build a missing program. Null, with `problem` set, if that fails.
   template <class Make>
   const GlName* get(PixelFormat format, int bits, std::string& problem, const Make& make) {
     GlName& program = programs_[static_cast<std::size_t>(format)][bits == LutTable::kBits ? 0 : 1];
@@ -47,36 +47,36 @@ class ThresholdPrograms {
   std::array<std::array<Program, 2>, static_cast<std::size_t>(PixelFormat::kBayerBg8) + 1> programs_;
 };
 
-// Both have the same functions. All need a current context; what went wrong in GL, GpuContext::take_problem()
-// says.
+// The following two classes have the same functions, which need a current context. GpuContext::take_problem()
+// reports GL errors.
 
-/// By a compute shader over buffers (OpenGL ES 3.1).
+/// A compute shader over buffers (OpenGL ES 3.1).
 class ComputeThreshold {
  public:
   ComputeThreshold();
-  /// Whether this GPU takes so large an image.
+  /// Whether this GPU supports an image of this size.
   bool takes(const GroupedImage& image) const;
   bool prepare(PixelFormat format, int bits, std::string& problem);
   void load(std::span<const Label> table);
-  /// The image's bytes, to be written; or null. End it with upload().
+  /// Memory to write the image's bytes into, or null. Finish with upload().
   std::uint8_t* image_memory(const GroupedImage& image);
   bool upload(const GroupedImage& image);
-  /// With the program of the last prepare().
+  /// Runs the program of the last prepare().
   void run(const GroupedImage& image);
-  /// The labels; or null. End it with release_labels().
+  /// The labels, or null. Finish with release_labels().
   const std::uint8_t* labels(const GroupedImage& image);
   bool release_labels();
 
  private:
   ThresholdPrograms programs_;
-  std::size_t most_bytes_;
+  std::size_t max_bytes_;
   GLuint program_ = 0;
   GlBuffer image_{GL_SHADER_STORAGE_BUFFER, GL_STREAM_DRAW};
   GlBuffer table_{GL_SHADER_STORAGE_BUFFER, GL_STATIC_DRAW};
   GlBuffer labels_{GL_SHADER_STORAGE_BUFFER, GL_STREAM_READ};
 };
 
-/// By a fragment shader over textures (OpenGL ES 3.0).
+/// A fragment shader over textures (OpenGL ES 3.0).
 class FragmentThreshold {
  public:
   FragmentThreshold();
@@ -91,7 +91,7 @@ class FragmentThreshold {
 
  private:
   ThresholdPrograms programs_;
-  std::size_t most_texels_;  // a side
+  std::size_t most_texels_;  // maximum width and height of a texture
   GLuint program_ = 0;
   GlName frame_{[](GLuint name) { glDeleteFramebuffers(1, &name); }};
   GlTexture image_, table_, labels_;

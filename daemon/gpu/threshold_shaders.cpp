@@ -8,7 +8,7 @@
 namespace sslv {
 namespace {
 
-/// Each path has its own `table_word(i)` and `texel(i)`; `a`, `b` and `c` as in LutTable.
+/// Each path defines its own `table_word(i)` and `texel(i)`; `a`, `b` and `c` as in LutTable.
 constexpr std::string_view kLookUp = R"(
 uint look(uint a, uint b, uint c) {
   uint cell = ((a >> SHIFT) << (2u * BITS)) | ((b >> SHIFT) << BITS) | (c >> SHIFT);
@@ -70,7 +70,7 @@ uvec4 group_labels() {
 }
 )";
 
-/// From a group's texels to its labels.
+/// The GLSL that computes a group's labels from its texels.
 std::string group_labels(PixelFormat format) {
   const auto bayer = [](int red) {
     const int green_1 = red == 0 || red == 3 ? 1 : 0;

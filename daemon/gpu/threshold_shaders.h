@@ -8,29 +8,29 @@
 namespace sslv {
 
 // Both paths label groups of 16 cells of one row. A group's bytes are whole texels of 16 bytes, four words
-// each, and so are its labels. Bytes lie in words as on the CPU, the first one lowest. All arithmetic is of
-// whole numbers, so that every GPU says what the CPU says.
+// each, and so are its labels. Words are little-endian, as on the CPU. All arithmetic is in integers, so that
+// every GPU gives the CPU's results.
 inline constexpr int kCellsAGroup = 16, kTexelBytes = 16;
 
-/// Texels of a group in one row of the image.
+/// Texels of a group in one image row.
 constexpr int texels_a_group(PixelFormat format) {
   return is_bayer(format) ? 2 : bytes_per_pixel(format);
 }
-/// Rows of the image in one row of cells.
+/// Image rows per row of cells.
 constexpr int rows_a_cell(PixelFormat format) {
   return is_bayer(format) ? 2 : 1;
 }
 
-/// Invocations of a compute shader's work group.
+/// Invocations per compute work group.
 inline constexpr int kWorkGroup = 128;
-/// Bindings of shader storage.
+/// Bindings of the shader storage buffers.
 inline constexpr int kImageBuffer = 0, kTableBuffer = 1, kLabelBuffer = 2;
-/// Words of a table in one row of its texture: the smallest size that every GPU has.
+/// Words of a table per row of its texture: the smallest maximum width that every GPU supports.
 inline constexpr int kTableTextureWidth = 2048;
 
-/// GLSL ES 3.10, over buffers. Uniforms: group_count, groups_a_row. The table has `bits` a channel.
+/// GLSL ES 3.10, over buffers. Uniforms: group_count, groups_a_row. The table has `bits` per channel.
 std::string threshold_compute_shader(PixelFormat format, int bits);
-/// GLSL ES 3.00: a triangle over all; textures `image` and `table`, one fragment a group.
+/// GLSL ES 3.00: a triangle over the whole target; textures `image` and `table`, one fragment per group.
 std::string threshold_vertex_shader();
 std::string threshold_fragment_shader(PixelFormat format, int bits);
 

@@ -17,13 +17,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Empty when it cannot be read.
+/// Content of a file; empty if it cannot be read.
 std::string text_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// The kB that /proc/meminfo says of `name`, in bytes.
+/// Value of `name` in /proc/meminfo, in bytes; 0 if it is missing.
 std::uint64_t memory_bytes(const std::string& meminfo, const std::string& name) {
   std::istringstream lines(meminfo);
   for (std::string line; std::getline(lines, line);) {
@@ -49,7 +49,7 @@ std::optional<double> hottest_c() {
 std::optional<ComputerFigures::Disk> disk_of(fs::path folder) {
   folder = fs::absolute(folder);
   struct statvfs disk {};
-  // Nothing has been saved yet where the folder is missing.
+  // The folder is missing until something has been saved.
   while (::statvfs(folder.c_str(), &disk) != 0) {
     if (!folder.has_relative_path()) return std::nullopt;
     folder = folder.parent_path();
@@ -62,8 +62,8 @@ struct ProcessTicks {
   int threads = 0;
 };
 
-/// Of /proc/self/stat: fields 14, 15 and 20. The name before them may hold anything, and ends at the last
-/// ')'.
+/// Reads fields 14, 15 and 20 of /proc/self/stat. The process name before them may contain anything and ends
+/// at the last ')'.
 ProcessTicks read_process(const std::string& stat) {
   std::istringstream fields(stat.substr(std::min(stat.size(), stat.rfind(')') + 1)));
   std::string skipped;
@@ -109,7 +109,7 @@ std::vector<CoreTicks> read_core_ticks(std::string_view proc_stat) {
     std::istringstream words(line);
     std::string name;
     words >> name;
-    constexpr int kIdle = 3, kWaiting = 4, kKinds = 8;  // after these come guests, counted as user already
+    constexpr int kIdle = 3, kWaiting = 4, kKinds = 8;  // later guest ticks are part of the user ticks
     CoreTicks& core = cores.emplace_back();
     std::uint64_t ticks = 0;
     for (int kind = 0; kind < kKinds && words >> ticks; ++kind) {
@@ -162,7 +162,7 @@ ComputerFigures Computer::read() {
   read_before_ = now;
   out.process.threads = process.threads;
   std::uint64_t pages = 0;
-  std::istringstream(text_of("/proc/self/statm")) >> pages >> pages;  // the second is what lies in memory
+  std::istringstream(text_of("/proc/self/statm")) >> pages >> pages;  // the second number: resident pages
   out.process.rss_bytes = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
   std::error_code error;
   for (auto one = fs::directory_iterator("/proc/self/fd", error); one != fs::directory_iterator();
@@ -172,7 +172,7 @@ ComputerFigures Computer::read() {
 }
 
 std::optional<ClockFigures> read_clock() {
-  timex clock{};  // modes 0: only asks
+  timex clock{};  // modes 0: only reads
   const int state = ::adjtimex(&clock);
   if (state < 0) return std::nullopt;
   const double offset_unit_ms = (clock.status & STA_NANO) != 0 ? 1e-6 : 1e-3;

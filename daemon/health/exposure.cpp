@@ -11,10 +11,10 @@ namespace sslv {
 namespace {
 
 struct Brightness {
-  int luma, brightest;  // channel
+  int luma, brightest;  // brightest channel
 };
 
-/// Of a pixel, or of the quad of a Bayer image.
+/// Brightness of a pixel or, in a Bayer image, of a quad.
 Brightness brightness(const ImageView& image, int x, int y) {
   const auto of_rgb = [](Rgb c) { return Brightness{to_yuv(c).y, std::max({c.r, c.g, c.b})}; };
   switch (image.format) {
@@ -45,7 +45,7 @@ Brightness brightness(const ImageView& image, int x, int y) {
   }
   const std::uint8_t* above = image.row(2 * y) + 2 * x;
   const std::uint8_t* below = image.row(2 * y + 1) + 2 * x;
-  // Two of the four are green, so their mean is near enough to luma.
+  // Two of the four pixels are green, so the mean of the four is near enough to luma.
   return {(above[0] + above[1] + below[0] + below[1] + 2) / 4,
           std::max({above[0], above[1], below[0], below[1]})};
 }

@@ -8,15 +8,15 @@
 
 namespace sslv {
 
-/// How bright an image is, where it is looked at.
+/// Brightness of the part of an image that the mask does not hide.
 struct Exposure {
-  double clipped_share = 0;  // of its pixels: a channel (YUV: luma) is 250 or more
-  double dark_share = 0;     // luma is 5 or less
+  double clipped_share = 0;  // share of pixels with a channel (YUV: luma) of 250 or more
+  double dark_share = 0;     // share of pixels with a luma of 5 or less
   double mean_luma = 0;      // 0 .. 255
 };
 
-/// Of some 20000 pixels, evenly spread; a Bayer image's quads count as pixels. Nothing when the mask hides
-/// all of them.
+/// Measures some 20000 evenly spread pixels; in Bayer images, quads count as pixels. Nothing if the mask
+/// hides all pixels.
 std::optional<Exposure> measure_exposure(const ImageView& image, const Mask& mask);
 
 }  // namespace sslv

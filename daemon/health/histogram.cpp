@@ -30,7 +30,7 @@ Histogram make_histogram(std::span<const std::int64_t> durations_ns) {
   std::size_t first = kBins, last = 0;
   for (const std::int64_t duration_ns : durations_ns) {
     const double us = static_cast<double>(duration_ns) * 1e-3;
-    // The edges between bins; so what is out of range falls into the first or the last.
+    // Searches only the inner edges, so durations out of range fall into the first or last bin.
     const auto above = std::upper_bound(kEdges_us.begin() + 1, kEdges_us.end() - 1, us);
     const auto bin = static_cast<std::size_t>(above - kEdges_us.begin()) - 1;
     ++counts[bin];

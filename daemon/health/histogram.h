@@ -7,9 +7,9 @@
 
 namespace sslv {
 
-/// How often a duration was how long. Bins of 1 µs to 10 s, each a twelfth of a decade wide; what is shorter
-/// or longer counts with the first or the last. Only the range where something is: counts[i] is of
-/// edges_us[i] to below edges_us[i + 1]; both are empty without durations.
+/// Histogram of durations from 1 µs to 10 s, in bins a twelfth of a decade wide. Shorter and longer durations
+/// count in the first and last bin. Empty bins at both ends are left out. counts[i] holds durations from
+/// edges_us[i] to below edges_us[i + 1]. Both are empty without durations.
 struct Histogram {
   std::vector<double> edges_us;
   std::vector<std::uint32_t> counts;

@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// None: there is no such file, or "max" stands in it.
+/// Number in a file; none if the file is missing or contains "max".
 std::optional<std::uint64_t> number_in(const fs::path& file) {
   std::ifstream in(file);
   std::uint64_t value = 0;
@@ -29,8 +29,8 @@ std::uint64_t available_bytes(const fs::path& meminfo) {
   return std::numeric_limits<std::uint64_t>::max();
 }
 
-/// What a group uses and could not give back at once: what is read of files it could, but not memory that is
-/// a file, which the kernel counts among them.
+/// Memory that a group uses and cannot release at once. The group can release cached file content, but not
+/// shared memory, which the kernel counts as file content.
 std::uint64_t used_bytes(const fs::path& group) {
   const std::uint64_t current = number_in(group / "memory.current").value_or(0);
   std::uint64_t files = 0, memory_files = 0;
@@ -51,7 +51,7 @@ std::uint64_t memory_left_bytes(const fs::path& root) {
   for (std::string line; std::getline(groups, line);) {
     if (!line.starts_with("0::/")) continue;  // control groups of version 1 have no such limits
     const fs::path top = root / "sys/fs/cgroup";
-    // The last one has no name: the container's own, where this runs in one.
+    // The last group has an empty path: the root group or, in a container, the container's own group.
     for (fs::path group = line.substr(4);; group = group.parent_path()) {
       for (const char* limit : {"memory.high", "memory.max"}) {
         const auto most = number_in(top / group / limit);

@@ -6,8 +6,8 @@
 
 namespace sslv {
 
-/// How many bytes this process may still take before the computer, or a limit that systemd or somebody else
-/// set for it, is short of memory: memory_high or memory_max of its control group and those above it.
+/// Bytes that this process may still allocate before it exceeds the computer's memory or a limit set by
+/// systemd or otherwise (memory.high or memory.max of the process's control group and of the groups above).
 std::uint64_t memory_left_bytes();
 
 /// The same with /proc and /sys/fs/cgroup below `root`, for tests.

@@ -47,7 +47,8 @@ void MetricsText::add(Labels labels, const DurationTotals::Reading& durations) {
   for (std::size_t i = 0; i < durations.counts.size(); ++i) {
     count += durations.counts[i];
     const auto& ends = DurationTotals::kEnds_ns;
-    // Divided, not multiplied: so the nearest number to the decimal one, and its shortest text.
+    // Division instead of multiplication gives the double nearest to the decimal number, which has the
+    // shortest text.
     const std::string le = i < ends.size() ? number_text(static_cast<double>(ends[i]) / 1e9) : "+Inf";
     sample("_bucket", labels, le, std::to_string(count));
   }

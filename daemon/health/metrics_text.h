@@ -11,7 +11,7 @@
 
 namespace sslv {
 
-/// Writes the text format of Prometheus, 0.0.4: a family, then its samples, then the next family.
+/// Writes the text format of Prometheus, 0.0.4. Call begin() for a family, then add() for its samples.
 class MetricsText {
  public:
   struct Label {
@@ -19,11 +19,11 @@ class MetricsText {
   };
   using Labels = std::initializer_list<Label>;
 
-  /// `type`: "counter", "gauge" or "histogram". Without samples the family is left out.
+  /// Starts a family. `type`: "counter", "gauge" or "histogram". A family without samples is left out.
   void begin(std::string_view name, std::string_view type, std::string_view help);
   void add(Labels labels, std::uint64_t value);
   void add(Labels labels, double value);
-  /// All buckets, the sum and the count, in seconds.
+  /// Adds all buckets, the sum and the count. Durations are in seconds.
   void add(Labels labels, const DurationTotals::Reading& durations);
 
   std::string take() { return std::move(text_); }

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kClockWasSet_s = 0.5;
 
-/// How far a counter went; it restarts when the camera does.
+/// Increase of a counter, which restarts with the camera.
 std::uint64_t passed(std::uint64_t before, std::uint64_t now) {
   return now >= before ? now - before : now;
 }
@@ -36,7 +36,7 @@ void Timeline::add(double unix_time_s, double steady_s, const std::map<int, Read
     camera.last = reading;
     if (camera.seconds.size() > kSeconds) camera.seconds.pop_front();
   }
-  // A second keeps its time unless the clock was set: viewers know it again by that.
+  // A second keeps its time unless the clock was set: viewers identify seconds by their time.
   if (std::abs(unix_time_s - steady_s - ahead_s_) > kClockWasSet_s) ahead_s_ = unix_time_s - steady_s;
   times_s_.push_back(steady_s);
   if (times_s_.size() > kSeconds) times_s_.pop_front();

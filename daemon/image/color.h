@@ -6,10 +6,12 @@
 
 namespace sslv {
 
+/// BT.601 full range, 8 bits per channel; U and V are 128 for grey.
 struct Yuv {
   std::uint8_t y, u, v;
   bool operator==(const Yuv&) const = default;
 };
+/// 8 bits per channel.
 struct Rgb {
   std::uint8_t r, g, b;
   bool operator==(const Rgb&) const = default;

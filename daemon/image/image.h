@@ -9,7 +9,7 @@
 
 namespace sslv {
 
-/// How a camera's bytes lie. YUV is BT.601 full range (as JPEG has it).
+/// Memory layout of pixels. YUV is BT.601 full range, as in JPEG.
 enum class PixelFormat : std::uint8_t {
   kUyvy,  // U Y V Y for two pixels
   kYuyv,  // Y U Y V for two pixels
@@ -37,33 +37,38 @@ constexpr int bytes_per_pixel(PixelFormat format) {
   return is_yuv422(format) ? 2 : format == PixelFormat::kRgb24 || format == PixelFormat::kBgr24 ? 3 : 1;
 }
 
-/// An image somebody else owns. width and height in pixels; YUV 4:2:2 has an even width, Bayer both even.
+/// View of an image that another object owns. width and height in pixels. Images in YUV 4:2:2 have an even
+/// width; Bayer images have an even width and height.
 struct ImageView {
   const std::uint8_t* data = nullptr;
   int width = 0, height = 0;
   std::ptrdiff_t stride_bytes = 0;
   PixelFormat format = PixelFormat::kMono8;
-  /// Of a camera with more than 8 bits: so many bytes behind each sample lies what the 8 bits leave of it, in
-  /// 256ths of a level. 0: nothing does. It holds for every part of the image, too.
+  /// For cameras with more than 8 bits: offset in bytes from each sample to its low bits, in 256ths of a
+  /// level. 0: no low bits. Valid for every part of the image.
   std::ptrdiff_t to_low_bits = 0;
 
+  /// First byte of row `y`.
   const std::uint8_t* row(int y) const { return data + y * stride_bytes; }
+  /// True if there is no image.
   bool empty() const { return data == nullptr; }
 };
 
 /// True when the size suits the format (see ImageView) and is within 2..16384 pixels.
 bool is_valid_size(PixelFormat format, int width, int height);
 
-/// An image with the duty to give its buffer back to the driver, done by the destructor. Move-only; making
-/// and returning one allocates nothing.
+/// Owns an image's buffer and returns it to the driver in the destructor. Move-only; creating and releasing
+/// an image allocates no memory.
 class Image {
  public:
-  /// Called once when the image is let go, from whatever thread that happens in.
+  /// Called once when the image is released, from any thread.
   using Release = void (*)(void* owner, void* buffer) noexcept;
 
   Image() = default;
+  /// Calls release(owner, buffer) in the end; `view` lies in the buffer.
   Image(const ImageView& view, void* owner, void* buffer, Release release)
       : view_(view), owner_(owner), buffer_(buffer), release_(release) {}
+  /// Leaves `other` without an image.
   Image(Image&& other) noexcept { swap(other); }
   Image& operator=(Image&& other) noexcept {
     Image old(std::move(*this));
@@ -76,8 +81,9 @@ class Image {
     if (release_ != nullptr) release_(owner_, buffer_);
   }
 
+  /// Valid until the image is released.
   const ImageView& view() const { return view_; }
-  /// From now on it is only this part of the same buffer.
+  /// Restricts the view to this part of the same buffer.
   void narrow_to(const ImageView& part) { view_ = part; }
 
  private:

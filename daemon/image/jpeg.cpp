@@ -12,7 +12,7 @@
 namespace sslv {
 namespace {
 
-/// Rows of one box whose bytes add up in 16 bits.
+/// Maximum number of rows of a box whose bytes can be summed in 16 bits.
 constexpr int kMaxBoxRows = 257;
 
 int height_for(const ImageView& image, int width) {
@@ -24,7 +24,7 @@ void set_edges(std::vector<int>& edges, int count, int out_count) {
   for (int i = 0; i <= out_count; ++i) edges[static_cast<std::size_t>(i)] = i * count / out_count;
 }
 
-/// Where red lies in each 2x2 block.
+/// Position of red in each 2x2 block.
 struct RedAt {
   int x, y;
 };
@@ -45,8 +45,8 @@ void half_size_row(const ImageView& image, int y, std::uint8_t* out) {
   }
 }
 
-/// Row y at full size as RGB, what a pixel lacks averaged from its neighbours. Borders are mirrored, which
-/// keeps the pattern.
+/// Row y at full size as RGB; missing colours are averaged from the neighbours. Borders are mirrored, which
+/// keeps the Bayer pattern.
 void full_size_row(const ImageView& image, int y, std::uint8_t* out) {
   const RedAt red = red_at(image.format);
   const std::uint8_t* above = image.row(y > 0 ? y - 1 : 1);
@@ -58,7 +58,7 @@ void full_size_row(const ImageView& image, int y, std::uint8_t* out) {
     const int right = x + 1 < image.width ? x + 1 : image.width - 2;
     const int beside = (here[left] + here[right] + 1) / 2;
     const int over = (above[x] + below[x] + 1) / 2;
-    int own, green, other;  // own: the colour of this row, red or blue
+    int own, green, other;  // own: red or blue, as in this row; other: the other of the two
     if ((x % 2 == red.x) == red_row) {
       own = here[x];
       green = (here[left] + here[right] + above[x] + below[x] + 2) / 4;
@@ -137,9 +137,9 @@ void JpegEncoder::shrink_bayer(const ImageView& image, int width, int height) {
 
 std::span<const std::uint8_t> JpegEncoder::encode_yuv422(const ImageView& image, int width, int height,
                                                          int quality) {
-  // Camera and JPEG mean the same by Y, U and V, so the planes are scaled and encoded as they are.
+  // Camera and JPEG define Y, U and V alike, so the planes are scaled and encoded without conversion.
   const int chroma_width = (width + 1) / 2;
-  const int luma_stride = 2 * chroma_width;  // the library takes whole pairs of pixels, also of an odd width
+  const int luma_stride = 2 * chroma_width;  // the library needs whole pairs of pixels, even if width is odd
   const std::size_t luma_size = static_cast<std::size_t>(luma_stride) * height;
   const std::size_t chroma_size = static_cast<std::size_t>(chroma_width) * height;
   scaled_.resize(luma_size + 2 * chroma_size);
@@ -188,8 +188,8 @@ void JpegEncoder::reserve_jpeg(int width, int height, int subsampling) {
   jpeg_.resize(std::max<std::size_t>(jpeg_.size(), tjBufSize(width, height, subsampling)));
 }
 
-/// Every result is the mean of a box of whole pixels; neighbouring boxes share none. The rows of a box are
-/// added up first, whatever their bytes mean: the compiler turns that into vector code.
+/// Each result is the mean of a box of whole pixels; boxes do not overlap. The rows of a box are summed
+/// first, byte by byte whatever the channel, so that the compiler can vectorise it.
 template <class Row>
 void JpegEncoder::shrink(Row&& row, int row_bytes, int height, int out_height,
                          std::span<const Channel> channels) {
@@ -206,7 +206,8 @@ void JpegEncoder::shrink(Row&& row, int row_bytes, int height, int out_height,
       for (int i = 0; i < row_bytes; ++i) sums[i] = static_cast<std::uint16_t>(sums[i] + bytes[i]);
     }
     for (const Channel& channel : channels) {
-      // Boxes are `narrow` or one more wide: two reciprocals in 32-bit fixed point replace the divisions.
+      // Boxes are `narrow` or `narrow` + 1 samples wide: two reciprocals in 32-bit fixed point replace the
+      // divisions.
       const int narrow = channel.count / channel.out_count;
       const std::array<std::uint64_t, 2> reciprocal{
           (1ULL << 32) / (rows * static_cast<unsigned>(narrow)),

@@ -9,11 +9,11 @@
 
 namespace sslv {
 
-/// How finely a JPEG keeps the colour of RGB and Bayer images: at half the size, as photographs have it, or
-/// in full for drawings, whose edges would bleed otherwise.
+/// Colour resolution of JPEGs made from RGB and Bayer images: half, as usual for photographs, or full for
+/// drawings, whose edges would bleed otherwise.
 enum class Chroma : std::uint8_t { kHalved, kFull };
 
-/// Makes JPEGs for viewers. Keeps its buffers, so use one for many images; one thread at a time.
+/// Encodes JPEGs for viewers. Reuses its buffers, so use one encoder for many images; one thread at a time.
 class JpegEncoder {
  public:
   JpegEncoder();
@@ -21,19 +21,19 @@ class JpegEncoder {
   JpegEncoder(const JpegEncoder&) = delete;
   JpegEncoder& operator=(const JpegEncoder&) = delete;
 
-  /// The image as a JPEG file in colour (mono8: in grey), scaled down before encoding to at most
-  /// `max_width` pixels, at least 1; never scaled up. `quality` 1..100. The bytes hold until the next call.
-  /// Throws std::runtime_error with the library's reason for an image it does not take.
+  /// Encodes the image in colour (mono8: grey). Images wider than `max_width` pixels (at least 1) are scaled
+  /// down first. `quality`: 1..100. The bytes are valid until the next call. Throws std::runtime_error with
+  /// the library's reason if the library refuses the image.
   std::span<const std::uint8_t> encode(const ImageView& image, int max_width, int quality,
                                        Chroma chroma = Chroma::kHalved);
 
  private:
-  /// One colour of the rows to be scaled and the plane it goes to.
+  /// A colour channel of the rows to be scaled, and its output plane.
   struct Channel {
-    int offset, step, count;  // where its samples lie in a row, bytes
+    int offset, step, count;  // first byte and byte distance of the samples in a row; their number
     std::uint8_t* out;
     int out_step, out_stride, out_count;
-    const std::vector<int>* edges;  // out_count + 1 sample numbers: where the boxes to be averaged meet
+    const std::vector<int>* edges;  // out_count + 1 sample indices: limits of the averaged boxes
   };
   template <class Row>
   void shrink(Row&& row, int row_bytes, int height, int out_height, std::span<const Channel> channels);

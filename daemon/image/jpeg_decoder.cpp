@@ -12,7 +12,7 @@ namespace sslv {
 
 namespace {
 
-/// Many webcams leave some bytes between an image and its end mark.
+/// Many webcams send some bytes between an image and its end mark.
 bool is_harmless(std::string_view problem) {
   return problem.find("extraneous bytes before marker 0xd9") != std::string_view::npos;
 }
@@ -34,7 +34,7 @@ void JpegDecoder::start() {
     throw std::runtime_error(std::string("no JPEG decoder: ") + tjGetErrorStr2(nullptr));
 }
 
-/// The library keeps what it was in the middle of and would misread the next image, so start over.
+/// Recreates the library's decoder, which keeps the state of the failed image and would misread the next one.
 void JpegDecoder::give_up(std::string& problem) {
   problem = tjGetErrorStr2(handle_);
   start();
@@ -69,7 +69,7 @@ bool JpegDecoder::decode(std::span<const std::uint8_t> jpeg, std::uint8_t* out, 
   return false;
 }
 
-/// The planes are taken as the JPEG has them and dealt out; colours in between need not be made up.
+/// Interleaves the JPEG's planes without conversion, so no colours have to be interpolated.
 bool JpegDecoder::decode_uyvy(std::span<const std::uint8_t> jpeg, std::uint8_t* out) {
   const int width = layout_.width, height = layout_.height;
   std::array<std::uint8_t*, 3> planes{};

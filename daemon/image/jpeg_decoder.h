@@ -10,8 +10,8 @@
 
 namespace sslv {
 
-/// Reads the JPEGs of a camera (Motion-JPEG, also without the tables that it leaves out). Keeps its buffers,
-/// so use one for many images; one thread at a time.
+/// Decodes a camera's JPEGs, also Motion-JPEG without Huffman tables. Reuses its buffers, so use one decoder
+/// for many images; one thread at a time.
 class JpegDecoder {
  public:
   JpegDecoder();
@@ -19,12 +19,12 @@ class JpegDecoder {
   JpegDecoder(const JpegDecoder&) = delete;
   JpegDecoder& operator=(const JpegDecoder&) = delete;
 
-  /// Size, stride and format that decode() will write, its data null: uyvy for images that keep the colour
-  /// at half the width or less, as cameras do, since that is what they hold; else rgb24. A size of 0, with
-  /// the reason in `problem`, when it is no JPEG.
+  /// Size, stride and format that decode() will write; the data is null. The format is uyvy for images with
+  /// colour at half the width, as cameras send them, else rgb24. The size is 0, with the reason in `problem`,
+  /// if the bytes are not a JPEG or the image's size is not supported.
   ImageView layout(std::span<const std::uint8_t> jpeg, std::string& problem);
 
-  /// Writes the image of which layout() was asked last. False, with the reason, when it is damaged.
+  /// Decodes the image of the last layout() call. Returns false, with the reason, if the image is damaged.
   bool decode(std::span<const std::uint8_t> jpeg, std::uint8_t* out, std::string& problem);
 
  private:

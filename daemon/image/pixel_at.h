@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The colour at one pixel of an image of any format, for who looks at a few of them, such as stages of
-// libraries. Slower than what knows its format: segment.h, sample_planes.h.
+// Colour of single pixels in any format, for code that reads only a few, such as stage libraries. Slower than
+// code for one format: vision/segment.h, vision/sample_planes.h.
 
 #include "image/color.h"
 #include "image/image.h"
@@ -16,15 +16,15 @@
 
 namespace sslv {
 
-/// What a Bayer image measures at a pixel: 0 red, 1 green, 2 blue.
+/// Colour that a Bayer image measures at a pixel: 0 red, 1 green, 2 blue.
 constexpr std::size_t bayer_color(PixelFormat format, int x, int y) {
-  // The place of red in the quad 0 1 / 2 3.
+  // Position of red in the quad 0 1 / 2 3.
   const int red = static_cast<int>(format) - static_cast<int>(PixelFormat::kBayerRg8);
   return static_cast<std::size_t>(((x ^ red) & 1) + ((y ^ red >> 1) & 1));
 }
 
-/// Red, green and blue at pixel (x, y), which must lie in the image. Bayer: linear between the nearest
-/// samples of each colour, so that nothing is shifted; mono: grey.
+/// Red, green and blue at pixel (x, y), which must lie in the image. Bayer: interpolated linearly between the
+/// nearest samples of each colour, so that nothing is shifted; mono: grey.
 inline Rgb rgb_at(const ImageView& image, int x, int y) {
   const std::uint8_t* row = image.row(y);
   const auto yuv422 = [&](int luma, int u) {
@@ -40,7 +40,7 @@ inline Rgb rgb_at(const ImageView& image, int x, int y) {
     case PixelFormat::kMono8: return {row[x], row[x], row[x]};
     default: break;
   }
-  // At the edge the neighbour on the other side stands in: it measures the same colour.
+  // Mirrored at the edge: the neighbour on the other side measures the same colour.
   const auto inside = [](int at, int size) {
     return std::clamp(at < 0 ? -at : at >= size ? 2 * size - 2 - at : at, 0, size - 1);
   };
@@ -72,7 +72,7 @@ inline std::uint8_t grey_at(const ImageView& image, int x, int y) {
   }
 }
 
-/// All of it, row by row.
+/// Copies the brightness of all pixels, row by row.
 inline void copy_grey(const ImageView& image, std::vector<std::uint8_t>& out) {
   out.resize(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
   std::uint8_t* to = out.data();

@@ -12,14 +12,14 @@
 #include <unistd.h>
 
 #ifndef F_SEAL_FUTURE_WRITE
-#define F_SEAL_FUTURE_WRITE 0x0010  // <linux/fcntl.h>, which does not go together with <fcntl.h>
+#define F_SEAL_FUTURE_WRITE 0x0010  // <linux/fcntl.h> conflicts with <fcntl.h>
 #endif
 
 namespace sslv {
 namespace {
 
-/// One SharedMemory. Changed under a lock, read without: `id` is 0 while it changes, and never comes again,
-/// so who reads the same before and after has read one whole row.
+/// Describes one SharedMemory. Written with a lock held, read without a lock: `id` is 0 during a change and
+/// is never reused, so a reader that finds the same id before and after reading has read a consistent row.
 struct Row {
   std::atomic<std::uint64_t> id{0};
   std::atomic<const std::uint8_t*> begin{nullptr};
@@ -27,7 +27,7 @@ struct Row {
   std::atomic<int> file{-1};
 };
 
-/// More than there are image pools: each camera has one or two.
+/// More than the number of image pools, of which each camera has one or two.
 constexpr std::size_t kMaxRows = 64;
 std::array<Row, kMaxRows> rows;
 std::mutex rows_mutex;

@@ -7,11 +7,11 @@
 
 namespace sslv {
 
-/// Memory of a fixed size that another process may look at: only read, however it asks (memfd_create(2),
-/// F_SEAL_FUTURE_WRITE). What is never touched takes no real memory.
+/// Memory of a fixed size that another process can map, but only for reading (memfd_create(2),
+/// F_SEAL_FUTURE_WRITE). Pages that are never touched take no physical memory.
 class SharedMemory {
  public:
-  /// Throws std::system_error when the system gives none.
+  /// Throws std::system_error if the system refuses.
   explicit SharedMemory(std::size_t bytes);
   ~SharedMemory();
   SharedMemory(const SharedMemory&) = delete;
@@ -19,9 +19,9 @@ class SharedMemory {
 
   std::uint8_t* data() const { return data_; }
   std::size_t size() const { return bytes_; }
-  /// To be sent to who may look at it; valid as long as this.
+  /// File descriptor to send to the reading process; valid as long as this object.
   int file() const { return file_; }
-  /// Another number for each in this process; never 0.
+  /// Unique in this process; never 0.
   std::uint64_t id() const { return id_; }
 
  private:
@@ -31,22 +31,22 @@ class SharedMemory {
   std::uint64_t id_;
 };
 
-/// Where bytes lie that another process may look at.
+/// Position of bytes in memory that another process can read.
 struct SharedPlace {
   std::uint64_t id = 0;  // SharedMemory::id()
   int file = -1;
-  std::size_t memory_bytes = 0;  // of all of that memory
-  std::size_t offset = 0;        // of the bytes in it
+  std::size_t memory_bytes = 0;  // size of the whole memory
+  std::size_t offset = 0;        // start of the bytes in the memory
 };
 
-/// The SharedMemory of this process in which the bytes lie, all of them; nothing when there is none, or when
-/// there are so many that it is not known (then images are copied, no more). Takes no lock and makes no
-/// system call. The answer holds as long as who asks holds the memory, as a camera's thread holds the image
-/// it asks for.
+/// The SharedMemory of this process that contains all of the bytes. Nothing if there is no such memory, or if
+/// it is not registered because too many SharedMemory objects exist (images are then copied). Takes no lock
+/// and makes no system call. Valid as long as the caller holds the memory, as a camera's thread holds its
+/// image.
 std::optional<SharedPlace> shared_place(const std::uint8_t* bytes, std::size_t count) noexcept;
 
-/// Whether image buffers that are made from now on lie in such memory. At first they do not: nobody looks at
-/// them.
+/// Sets whether image buffers created from now on are in memory that other processes can read. Off at first,
+/// because no other process reads images.
 void share_new_images(bool share);
 bool new_images_are_shared();
 

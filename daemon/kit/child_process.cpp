@@ -17,7 +17,7 @@
 namespace sslv {
 
 ChildProcess::ChildProcess(pid_t pid) : pid_(pid) {
-  ::setpgid(pid, pid);  // unless it did that itself, or began another program
+  ::setpgid(pid, pid);  // harmless if the child has also called it; fails after the child's exec
   end_ = OpenFile(static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)));
   if (end_.is_open()) return;
   const int why = errno;
@@ -46,14 +46,14 @@ bool ChildProcess::has_ended(int within_ms) const {
 std::int64_t ChildProcess::grace_ns(std::int64_t most_ns) const {
   std::ifstream file(fmt::format("/proc/{}/schedstat", pid_));
   std::int64_t ran = 0, waited = 0;
-  if (!(file >> ran >> waited)) return 0;  // it has ended, or the kernel does not tell
+  if (!(file >> ran >> waited)) return 0;  // the process has ended, or the kernel lacks schedstat
   return std::clamp<std::int64_t>(waited, 0, most_ns);
 }
 
 void ChildProcess::kill() noexcept {
   if (pid_ <= 0) return;
   ::kill(-pid_, SIGKILL);
-  ::kill(pid_, SIGKILL);  // it may not have its group yet
+  ::kill(pid_, SIGKILL);  // the process may not be in its group yet
 }
 
 int ChildProcess::end() noexcept {

@@ -10,12 +10,13 @@
 
 namespace sslv {
 
-/// A process that runs code of a stage library, in a process group of its own. It ends with this object at
-/// the latest, and with it all of its group.
+/// A process that runs code of a stage library, in its own process group. The destructor kills the whole
+/// group.
 class ChildProcess {
  public:
   ChildProcess() = default;
-  /// One that was just started. Throws std::system_error when it cannot be watched; then it has ended.
+  /// Owns a process that was just started. If the process cannot be watched, ends it and throws
+  /// std::system_error.
   explicit ChildProcess(pid_t pid);
   ~ChildProcess();
   ChildProcess(ChildProcess&& other) noexcept;
@@ -23,21 +24,22 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Can be read once it has ended (pidfd_open(2)); -1: there is none.
+  /// Becomes readable when the process ends (pidfd_open(2)); -1 without a process.
   int fd() const { return end_.fd(); }
   bool has_ended(int within_ms = 0) const;
 
-  /// How much later than its limit it may be done, `most_ns` at most: it wanted a processor for so long and
-  /// got none. 0 once it has ended.
+  /// Extension of the process's time limit, in ns: the time for which the process was runnable but had no
+  /// processor, at most `most_ns`. 0 once the process has ended.
   std::int64_t grace_ns(std::int64_t most_ns) const;
 
-  /// It and all of its group; waits for nothing.
+  /// Kills the process and its group without waiting.
   void kill() noexcept;
-  /// Kills what is left of the group and waits for the process: its status (waitpid(2)), 0 if there is none.
+  /// Kills the remaining group and waits for the process. Returns its status (waitpid(2)), 0 without a
+  /// process.
   int end() noexcept;
 
  private:
-  pid_t pid_ = -1;  // its own until it was waited for
+  pid_t pid_ = -1;  // valid until the process has been waited for
   OpenFile end_;
 };
 

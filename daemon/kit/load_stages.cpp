@@ -47,7 +47,7 @@ bool is_name(std::string_view name, std::size_t longest) {
   });
 }
 
-/// JSON has no numbers that are none and no endless ones: they would go into settings and never come out.
+/// JSON cannot represent NaN or infinity: such a number would be written to the settings but never read back.
 bool is_finite(const Json& json) {
   if (json.is_number_float()) return std::isfinite(json.get<double>());
   return !json.is_structured() || std::all_of(json.begin(), json.end(), is_finite);
@@ -56,7 +56,7 @@ bool is_finite(const Json& json) {
 template <class Floor>
 void check_params(const BasicStageType<Floor>& row) {
   const Json schema = row.schema();
-  static_cast<void>(schema.dump());  // throws unless all its texts are UTF-8
+  static_cast<void>(schema.dump());  // throws unless all texts are UTF-8
   for (const auto& [key, one] : schema.at("properties").items()) {
     if (!is_finite(one))
       throw std::runtime_error(
@@ -64,11 +64,11 @@ void check_params(const BasicStageType<Floor>& row) {
   }
   const std::string path = "its parameters: /" + row.name;
   const Json defaults = row.parse(Json::object(), path).complete;
-  // What the service writes into its settings it must be able to read again.
+  // The service must be able to read back what it writes into its settings.
   row.parse(Json::parse(defaults.dump()), path);
 }
 
-/// Makes each stage once, with its default parameters.
+/// Creates each stage once, with its default parameters.
 template <class Floor>
 void try_out(const std::vector<BasicStageType<Floor>>& rows) {
   for (const auto& row : rows) {
@@ -84,7 +84,7 @@ void try_out(const std::vector<BasicStageType<Floor>>& rows) {
   }
 }
 
-/// What is wrong with the library, or nothing. `use` gets its rows.
+/// Calls `use` with the library's rows. Returns the problem with the library, or an empty text.
 template <class Use>
 std::string with_rows(const std::filesystem::path& file, const Use& use) {
   try {
@@ -105,7 +105,7 @@ std::string load(const std::filesystem::path& file, StageRows& out) {
   return with_rows(file, [&out](StageRows& rows) { out = std::move(rows); });
 }
 
-/// In the process that may crash.
+/// Runs in the child process, which may crash.
 std::string try_library(const std::filesystem::path& file) {
   return with_rows(file, [](const StageRows& rows) {
     try_out(rows.camera);
@@ -113,7 +113,7 @@ std::string try_library(const std::filesystem::path& file) {
   });
 }
 
-/// A library in a process of its own, which may crash, hang, or start more of them.
+/// Loads one library in a child process, which may crash, hang or start more processes.
 class Trial {
  public:
   /// Throws StageLibraryError.
@@ -128,7 +128,7 @@ class Trial {
       setpgid(0, 0);
       prctl(PR_SET_PDEATHSIG, SIGKILL);
       if (getppid() != parent) _exit(EXIT_FAILURE);
-      // The end of the line tells "nothing is wrong" from an end before that could be said.
+      // The newline marks a complete answer; without it, the process ended before it could answer.
       std::string said = try_library(library);
       said.resize(std::min({said.size(), said.find('\n'), std::size_t{PIPE_BUF} - 1}));
       said += '\n';
@@ -147,15 +147,15 @@ class Trial {
     return {{{is_closed_ ? -1 : answer_.fd(), POLLIN, 0}, {process_.fd(), POLLIN, 0}}};
   }
 
-  /// What is left of its time, which began at `begin`. While others have the processors it goes on, twice as
-  /// long at most: a service's start does not wait for ever.
+  /// The remaining time; `begin` is the start of the test. Extended by the time for which the process waited
+  /// for a processor, at most to twice `within`, so that the service's start does not wait forever.
   std::chrono::nanoseconds left(Clock::time_point begin, std::chrono::nanoseconds within) const {
     return begin + within + std::chrono::nanoseconds(process_.grace_ns(within.count())) - Clock::now();
   }
 
-  /// Whether there is no more to be known: it has said all, or has ended.
+  /// True if the result is final: the process has answered or ended.
   bool has_come() {
-    const bool has_ended = process_.has_ended();  // before reading: what it said is there then
+    const bool has_ended = process_.has_ended();  // checked before reading, so that its whole output is read
     std::array<char, 512> part{};
     for (ssize_t size = 0;
          !is_closed_ && !is_said() && (size = read(answer_.fd(), part.data(), part.size())) >= 0;) {
@@ -165,7 +165,7 @@ class Trial {
     return has_ended || is_said();
   }
 
-  /// What is wrong with it, or nothing. Ends it, with all that is still of its group.
+  /// The problem with the library, or an empty text. Kills the process and its group.
   std::string result(std::chrono::milliseconds had) {
     const bool is_late = !is_said() && !process_.has_ended();
     const int status = process_.end();
@@ -190,8 +190,8 @@ class Trial {
   bool is_closed_ = false;
 };
 
-/// Tries all at the same time, so that one that hangs takes none from the others. Those that are no good go
-/// to `left_out`.
+/// Tests all libraries in parallel, so that a hanging library takes no time from the others. Moves faulty
+/// libraries to `left_out`.
 void try_all(std::vector<std::filesystem::path>& files, std::chrono::milliseconds within,
              std::vector<LeftOutLibrary>& left_out) {
   const auto begin = Clock::now();
@@ -220,7 +220,7 @@ void try_all(std::vector<std::filesystem::path>& files, std::chrono::millisecond
       }
     }
     if (polled.empty()) break;
-    constexpr int kLook_ms = 20;  // what is left may grow while it passes
+    constexpr int kLook_ms = 20;  // the deadline may be extended meanwhile
     poll(polled.data(), polled.size(), std::max(kLook_ms, static_cast<int>(wait.count())));
   }
   std::size_t at = 0;
@@ -232,12 +232,12 @@ void try_all(std::vector<std::filesystem::path>& files, std::chrono::millisecond
   });
 }
 
-/// For the rows of a library that is loaded here: as they are for the tables.
+/// Prepares the rows of a library loaded into this process for the stage tables.
 template <class Floor>
 void settle(std::vector<BasicStageType<Floor>>& rows, const std::string& library) {
   for (auto& row : rows) {
     row.library = library;
-    if (row.schema().at("properties").contains(kDeadlineKey)) continue;  // its own
+    if (row.schema().at("properties").contains(kDeadlineKey)) continue;  // the stage's own parameter
     row.parse = [parse = std::move(row.parse)](const Json& json, const std::string& path) {
       const auto deadline = json.is_object() ? json.find(kDeadlineKey) : json.end();
       if (deadline == json.end() || !deadline->is_number()) return parse(json, path);
@@ -285,11 +285,11 @@ StageRows load_rows(const std::filesystem::path& file) {
   if (library == nullptr) {
     const char* problem = dlerror();
     std::string why = first_line(problem == nullptr ? "nobody says why" : problem);
-    // The loader begins with the file's name, which stands before this text anyway.
+    // dlerror() begins with the file's name, which the caller prints before this text.
     if (why.starts_with(file.string() + ": ")) why.erase(0, file.string().size() + 2);
     throw StageLibraryError(fmt::format("cannot be loaded: {}", why));
   }
-  // A function's address as POSIX has it.
+  // POSIX permits this conversion to a function pointer.
   const auto function = reinterpret_cast<StageRowsFunction>(dlsym(library, kStageRowsFunction));
   if (function == nullptr) throw StageLibraryError("names no stages: SSLV_STAGES(...) is missing");
   StageRows rows;
@@ -300,7 +300,7 @@ StageRows load_rows(const std::filesystem::path& file) {
 std::vector<std::filesystem::path> stage_libraries(const std::vector<std::filesystem::path>& folders,
                                                    std::vector<LeftOutLibrary>& left_out) {
   std::vector<std::filesystem::path> files;
-  std::set<std::filesystem::path> known;  // without links
+  std::set<std::filesystem::path> known;  // canonical paths
   for (const std::filesystem::path& folder : folders) {
     const auto begin = static_cast<std::ptrdiff_t>(files.size());
     try {
@@ -310,7 +310,7 @@ std::vector<std::filesystem::path> stage_libraries(const std::vector<std::filesy
       for (const auto& entry : std::filesystem::directory_iterator(absolute))
         if (entry.path().extension() == ".so") files.push_back(entry.path());
     } catch (const std::filesystem::filesystem_error& error) {
-      // A folder for libraries of one's own need not be there.
+      // A folder for the user's own libraries is optional.
       if (error.code() == std::errc::no_such_file_or_directory || error.code() == std::errc::not_a_directory)
         log::info("no stages from {}: {}", escaped_text(folder.string()), error.code().message());
       else
@@ -329,7 +329,7 @@ LoadedStages load_stages(const std::vector<std::filesystem::path>& folders,
                          std::chrono::milliseconds within) {
   LoadedStages out;
   std::vector<std::filesystem::path> files = stage_libraries(folders, out.left_out);
-  // All are tried before the first one is loaded: it may start threads, and then no process is forked.
+  // Test all libraries before loading the first: loading may start threads, and then forking is not safe.
   try_all(files, within, out.left_out);
   for (const std::filesystem::path& file : files) {
     StageLibrary library{file, {}};

@@ -10,7 +10,7 @@
 
 namespace sslv {
 
-/// A file that was left out, and why; one line.
+/// A file or folder that was skipped, with the reason in one line.
 struct LeftOutLibrary {
   std::filesystem::path file;
   std::string why;
@@ -18,7 +18,7 @@ struct LeftOutLibrary {
 
 struct StageLibrary {
   std::filesystem::path file;
-  StageRows rows;  // each with the file's name
+  StageRows rows;  // `library` of each row is the file's name
 };
 
 struct LoadedStages {
@@ -26,30 +26,30 @@ struct LoadedStages {
   std::vector<LeftOutLibrary> left_out;
 };
 
-/// What a stage in a process of its own has besides its parameters (kit/apart). One that runs inside keeps it
-/// for the day on which it goes back, and does nothing with it.
+/// Additional parameter of stages that run in their own processes (kit/sandbox). For stages inside the
+/// service, this parameter is accepted and kept in the settings, but ignored.
 inline constexpr const char* kDeadlineKey = "deadline_ms";
 
-/// Whether a row says of its stage what the settings can rely on: names, texts, and parameters whose defaults
-/// are allowed. Makes no stage. Throws StageLibraryError.
+/// Validates a row: names, texts, and parameters whose defaults are allowed. Creates no stage. Throws
+/// StageLibraryError.
 template <class Floor>
 void check_row(const BasicStageType<Floor>& row);
 extern template void check_row(const StageType& row);
 extern template void check_row(const FieldStageType& row);
 
-/// The stage libraries (*.so) of these folders, in the same order on every computer, each once. A folder that
-/// is not there has none; one that cannot be read goes to `left_out`.
+/// The stage libraries (*.so) of these folders, each once, in the same order on every computer. A missing
+/// folder has no libraries; an unreadable folder is added to `left_out`.
 std::vector<std::filesystem::path> stage_libraries(const std::vector<std::filesystem::path>& folders,
                                                    std::vector<LeftOutLibrary>& left_out);
 
-/// The stages of one library, which stays loaded: its code runs. Throws StageLibraryError, and whatever the
-/// library throws.
+/// Loads a library and returns its stages. The library stays loaded, and its code runs. Throws
+/// StageLibraryError, and any exception of the library.
 StageRows load_rows(const std::filesystem::path& file);
 
-/// Loads the stage libraries of these folders, for good. Before a library is loaded its stamp is read,
-/// and a process of its own loads it and makes each of its stages once: what throws, crashes or hangs does so
-/// there. That is done with all libraries at the same time, which have `within` together; twice that where
-/// other programs have the processors. To be called before any thread starts.
+/// Loads the stage libraries of these folders; they stay loaded. Before, each library is tested: its stamp is
+/// read, and a child process loads the library and creates each of its stages once, so that exceptions,
+/// crashes and hangs happen in the child process. The libraries are tested in parallel within `within`, or
+/// twice `within` if other programs keep the processors busy. Call this before any thread starts.
 LoadedStages load_stages(const std::vector<std::filesystem::path>& folders,
                          std::chrono::milliseconds within = std::chrono::seconds(8));
 

@@ -39,10 +39,10 @@ std::string processor_name(unsigned machine) {
   }
 }
 
-/// Bounded reads of a file: its tables may be wrong.
+/// Bounded reads of a file whose tables may be corrupt.
 class ElfFile {
  public:
-  /// Not waiting: a pipe of that name would have nobody who writes.
+  /// Opens with O_NONBLOCK: a FIFO without a writer would block.
   explicit ElfFile(const std::filesystem::path& file)
       : file_(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)) {
     if (file_ < 0)
@@ -122,7 +122,7 @@ StageStamp read_stamp(const std::filesystem::path& file) {
     elf.read(names.sh_offset + one.sh_name, name.data(), name.size());
     if (name.back() != '\0' || text_in(name) != kStampSection) continue;
     StageStamp stamp;
-    // One of another version may be shorter or longer: its first words are the same in all.
+    // The stamp of another version may be shorter or longer; its first fields are the same in all versions.
     std::vector<char> bytes(std::min<std::uint64_t>(one.sh_size, sizeof stamp));
     elf.read(one.sh_offset, bytes.data(), bytes.size());
     std::memcpy(static_cast<void*>(&stamp), bytes.data(), bytes.size());

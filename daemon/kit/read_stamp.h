@@ -9,16 +9,16 @@
 
 namespace sslv {
 
-/// A stage library that cannot be used; one line that says why, without the file's name.
+/// A stage library that cannot be used. The text is one line with the reason, without the file's name.
 struct StageLibraryError : std::runtime_error {
   using runtime_error::runtime_error;
 };
 
-/// The stamp of a library, read from its file: nothing of it runs. Throws StageLibraryError for what is no
-/// shared object, one of another processor, or one without a stamp.
+/// Reads a library's stamp from its file without running any of its code. Throws StageLibraryError for a file
+/// that is not a shared object, is for another processor, or has no stamp.
 StageStamp read_stamp(const std::filesystem::path& file);
 
-/// Throws StageLibraryError unless a library with this stamp goes with this program.
+/// Throws StageLibraryError unless a library with this stamp is compatible with this program.
 void check_stamp(const StageStamp& stamp);
 
 }  // namespace sslv

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The one header of a stage library: a shared object that brings stages for the stacks of cameras and of the
-// field. docs/extending.md shows one.
+// The only header that a stage library includes. A stage library is a shared object with stages for the
+// stacks of cameras and of the field; docs/extending.md shows one.
 //
 //   #include <kit/stages.h>
 //
@@ -41,8 +41,8 @@ inline void add_row(StageRows& rows, StageRows more) {
   for (FieldStageType& row : more.field) rows.field.push_back(std::move(row));
 }
 
-/// Rows in any order: stage<S>(name, help) for a camera's stack, field_stage<S>(name, help) for the field's;
-/// or StageRows, where a library makes them at run time.
+/// Collects rows in any order: stage<S>(name, help) for a camera's stack, field_stage<S>(name, help) for the
+/// field's stack, or StageRows if the library creates rows at run time.
 template <class... Rows>
 StageRows stage_rows(Rows... rows) {
   StageRows out;
@@ -50,13 +50,13 @@ StageRows stage_rows(Rows... rows) {
   return out;
 }
 
-/// The function that a library exports, by this name.
+/// The type and name of the function that a library exports.
 using StageRowsFunction = void (*)(StageRows& out);
 inline constexpr const char* kStageRowsFunction = "sslv_stage_rows";
 
 }  // namespace sslv
 
-/// Once in a library: what it brings.
+/// Use once in a library, with all of its stages.
 #define SSLV_STAGES(...)                                                                      \
   extern "C" {                                                                                \
   [[gnu::section("sslv_stamp"), gnu::used,                                                    \

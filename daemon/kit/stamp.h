@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What a stage library and the service must agree about, because objects go from one to the other as they lie
-// in memory. Every library carries its stamp in a section of its own, so that it is read without running
-// anything of the library.
+// The stamp of a stage library: versions and type layouts that must match the service's, because the two
+// exchange objects in memory. It is stored in its own ELF section, so that it can be read without running the
+// library's code.
 
 #include "pipeline/camera_stage.h"
 #include "pipeline/field_stage.h"
@@ -17,27 +17,27 @@
 
 namespace sslv {
 
-/// Grows when what a stage may use means something else although it looks the same: a member's unit, two that
-/// change places, a class that hides its members, what a function does. tests/unit/kit/stamp_test.cpp tells
-/// when a header has changed.
+/// Increase this whenever something a stage may use changes its meaning but not its layout: the unit of a
+/// member, two swapped members, a class with private members, the behaviour of a function.
+/// tests/kit/stamp_test.cpp fails when a header has changed.
 inline constexpr std::uint32_t kKitVersion = 2;
 
-/// The name of the section, and of what the library exports (kit/stages.h).
+/// Name of the ELF section. kit/stages.h defines the exported symbols.
 inline constexpr std::string_view kStampSection = "sslv_stamp";
 
-/// One type that goes from the service to a library or back.
+/// A type of which objects are exchanged between service and library.
 struct StampedType {
-  std::array<char, 24> name{};  // ends with zeros
+  std::array<char, 24> name{};  // padded with zeros
   std::uint32_t size = 0, alignment = 0;
   std::uint64_t layout = 0;
   bool operator==(const StampedType&) const = default;
 };
 
-/// Plain bytes, so that it can be read from a file.
+/// Trivially copyable, so that it can be read from a file.
 struct StageStamp {
   std::array<char, 16> magic{};
   std::uint32_t kit_version = 0, type_count = 0;
-  std::array<char, 64> compiler{};  // processor, C++ library, libraries whose types are used
+  std::array<char, 64> compiler{};  // processor, C++ library ABI, versions of the libraries used
   std::array<StampedType, 40> types{};
 };
 
@@ -69,7 +69,8 @@ inline constexpr std::string_view kStampCompiler = SSLV_PROCESSOR
     ", Eigen " SSLV_TEXT(EIGEN_WORLD_VERSION) "." SSLV_TEXT(EIGEN_MAJOR_VERSION) ", json " SSLV_TEXT(
         NLOHMANN_JSON_VERSION_MAJOR) "." SSLV_TEXT(NLOHMANN_JSON_VERSION_MINOR);
 
-/// Of the program or library that this is compiled into. A template: only who asks for it has it compiled.
+/// The stamp of the program or library that this is compiled into. A template, so that it is compiled only
+/// where it is used.
 template <class = void>
 constexpr StageStamp this_stamp() {
   StageStamp stamp;

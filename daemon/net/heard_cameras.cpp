@@ -2,7 +2,7 @@
 #include "net/heard_cameras.h"
 
 #include "geometry/limits.h"
-#include "pipeline/senseless.h"
+#include "pipeline/validate.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,7 +26,7 @@ void OtherClock::heard(double t_sent_s, double t_heard_s) {
 double OtherClock::correction_s() const {
   if (!has_now_) return 0;
   const double least_s = has_before_ ? std::min(least_before_s_, least_now_s_) : least_now_s_;
-  // Synchronised clocks differ by less, and so do ways.
+  // Synchronised clocks differ by less than kRight_s. kWay_s is a typical transmission time.
   constexpr double kRight_s = 3e-3, kWay_s = 0.2e-3;
   return std::abs(least_s) < kRight_s ? 0 : least_s - kWay_s;
 }
@@ -40,7 +40,8 @@ void HeardCameras::forget(double now_s) {
 
 void HeardCameras::note_places(const VisionMessage& message, const std::string& address, bool is_named,
                                double now_s) {
-  // Strangers take no place from computers that are named, whose cameras are limited by their ids.
+  // Cameras of unnamed computers are limited separately, so that they take no space from cameras of named
+  // computers, which are limited by their ids.
   auto unnamed = static_cast<std::size_t>(
       std::ranges::count_if(places_, [](const auto& one) { return !one.second.is_named; }));
   for (const VisionMessage::Camera& camera : message.cameras) {
@@ -59,7 +60,7 @@ bool HeardCameras::hear(const VisionMessage& message, const std::string& address
   const CameraSightings& image = message.detection->arrived.image;
   const Key key{address, image.camera};
   const auto place = places_.find(key);
-  if (place == places_.end()) return false;  // not calibrated, or its geometry has not come yet
+  if (place == places_.end()) return false;  // not calibrated, or its geometry was not received yet
   place->second.heard_s = now_s;
   place->second.is_named = is_named;
   if (own_.contains(image.camera)) {
@@ -81,7 +82,7 @@ bool HeardCameras::hear(const VisionMessage& message, const std::string& address
   out = message.detection->arrived;
   out.image.t_capture_s += newest.clock_correction_s;
   out.image.camera_mm = place->second.mm;
-  const Senseless dropped = drop_senseless(out.image);  // now that the camera's height is known
+  const InvalidCounts dropped = drop_invalid(out.image);  // again, now that the camera's height is known
   out.left_out += dropped.robots + dropped.balls;
   return true;
 }

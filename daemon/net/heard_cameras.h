@@ -16,66 +16,69 @@
 
 namespace sslv {
 
-/// How far another computer's clock is off: its packets say when they were sent, and take hardly any time.
-/// Only a clock that is plainly wrong is set right by that; one that is synchronised is better than what a
-/// network tells.
+/// Estimates the clock offset of another computer from the send times in its packets, assuming a negligible
+/// transmission time. Only a plainly wrong clock is corrected: synchronised clocks are more accurate than
+/// this estimate.
 class OtherClock {
  public:
-  /// A packet that was sent and heard at these Unix times, each by its computer's clock.
+  /// Adds a packet with its send time and its receive time, in Unix seconds of the respective computer's
+  /// clock.
   void heard(double t_sent_s, double t_heard_s);
-  /// To be added to its times; 0 for a clock that is right.
+  /// Seconds to add to the other computer's times; 0 if its clock is right.
   double correction_s() const;
 
  private:
-  double since_s_ = 0;                           // by our clock
-  double least_now_s_ = 0, least_before_s_ = 0;  // ways, with the difference of the clocks, in two stretches
+  double since_s_ = 0;  // start of the current interval, by our clock
+  /// Minimum of delay + clock offset in the current interval; in the interval before.
+  double least_now_s_ = 0, least_before_s_ = 0;
   bool has_before_ = false, has_now_ = false;
 };
 
-/// The cameras of other computers that send to the vision group. All are listed; only those whose computer
-/// the settings name are used. Every table forgets what is silent. Not for several threads at once.
+/// The cameras of other computers that send to the vision group. All cameras are listed, but only cameras of
+/// computers named in the settings are used. Silent cameras are removed from every table. Not thread-safe.
 class HeardCameras {
  public:
-  /// Two visions send a camera with the same id, and tracks could use one of them.
+  /// Another vision sends a camera with an id that is already used for tracking.
   struct Conflict {
     int camera = 0;
-    std::string address;     // of the vision that is not listened to
-    std::string instead_of;  // of the one that is
+    std::string address;     // address of the ignored vision
+    std::string instead_of;  // address of the vision that is used
     bool operator==(const Conflict&) const = default;
   };
 
-  /// Ids of this computer's own cameras: others with such an id are left out.
+  /// Ids of this computer's own cameras; other cameras with these ids are ignored.
   void set_own(std::set<int> camera_ids) { own_ = std::move(camera_ids); }
 
-  /// A message at a monotonic time and at this computer's Unix time. `is_named`: the settings name its
-  /// computer. True if `out` is an image to be used.
+  /// Processes a message, received at a monotonic time and at this computer's Unix time. `is_named`: the
+  /// settings name the sender's computer. True if `out` is set to detections to use.
   bool hear(const VisionMessage& message, const std::string& address, bool is_named, double now_s,
             double unix_s, ArrivedSightings& out);
 
-  /// Of the last seconds; first those of named computers, which strangers must not hide.
+  /// The conflicts of the last kForgottenAfter_s. Conflicts with named computers are first, so that conflicts
+  /// with strangers cannot hide them.
   std::vector<Conflict> conflicts(double now_s) const;
   struct Heard {
     std::string address;
-    bool is_used = false;  // for the tracks
+    bool is_used = false;  // used for tracking
     double clock_correction_s = 0;
-    std::size_t robots = 0, balls = 0;  // in its newest image
+    std::size_t robots = 0, balls = 0;  // counts in the camera's newest frame
   };
-  /// Other computers' cameras that are heard now, by their ids.
+  /// Other computers' cameras that are currently received, by id.
   std::map<int, Heard> cameras(double now_s) const;
 
-  /// So long after its last packet, another vision may have the camera's id.
+  /// After this time without a packet, another vision may take over the camera's id.
   static constexpr double kForgottenAfter_s = 2;
-  /// Geometry comes every minute at the longest.
+  /// The interval of geometry packets is at most a minute.
   static constexpr double kPlaceForgottenAfter_s = 61;
 
  private:
   using Key = std::pair<std::string, int>;  // address and camera id
-  struct Place {                            // where a camera hangs
+  struct Place {                            // a camera's position
     Eigen::Vector3d mm;
     double heard_s;  // the camera's last detection or geometry
     bool is_named;
   };
-  struct Holder {  // the camera that has an id
+  struct Holder {  // the camera that currently owns an id
     Heard newest;
     double heard_s = 0;
     OtherClock clock;
@@ -87,7 +90,7 @@ class HeardCameras {
   std::set<int> own_;
   std::map<Key, Place> places_;
   std::map<int, Holder> holders_;                         // by camera id
-  std::map<Key, std::pair<double, Conflict>> conflicts_;  // each has a place: so strangers' are limited
+  std::map<Key, std::pair<double, Conflict>> conflicts_;  // limited like places_, which contains all keys
 };
 
 }  // namespace sslv

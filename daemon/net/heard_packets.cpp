@@ -16,7 +16,7 @@ void HeardPackets::Kind::take(std::span<const std::byte> datagram, double now_s)
   ++newest.count;
   const double passed_s = now_s - second_began_s;
   if (passed_s >= 1) {
-    // After a break the packet begins a second of which nothing is known yet.
+    // After a gap, the rate is unknown until the first second is complete.
     newest.per_s = passed_s < 2 ? static_cast<double>(in_second) / passed_s : 0;
     second_began_s = now_s;
     in_second = 0;

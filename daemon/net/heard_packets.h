@@ -12,27 +12,28 @@
 
 namespace sslv {
 
-/// The newest packet of a kind, as it came back from the network.
+/// The newest packet of one kind, as received back from the network.
 struct HeardPacket {
   std::vector<std::byte> bytes;  // an SSL_WrapperPacket
-  double heard_s = 0;            // monotonic
-  std::uint64_t count = 0;       // packets of this kind since the service listens there
-  double per_s = 0;              // over the last second or so; 0 when none came
+  double heard_s = 0;            // monotonic time of its arrival
+  std::uint64_t count = 0;       // packets of this kind since listening began
+  double per_s = 0;  // packets per second, over about the last second; 0 if no packet was received
 };
 
-/// Keeps the newest packets that this service heard itself send: one for each camera, and the geometry.
-/// May be used from any thread.
+/// Keeps the newest packets of this service as received back from the network: one per camera, and the
+/// geometry. Thread-safe.
 class HeardPackets {
  public:
-  /// Takes one datagram, at a monotonic time.
+  /// Adds one datagram, received at a monotonic time.
   void receive(std::span<const std::byte> datagram, double now_s);
   void clear();
 
-  /// Of each camera, by its id, that was heard in the last kForgottenAfter_s.
+  /// The newest detection packets by camera id, of cameras received in the last kForgottenAfter_s.
   std::map<std::uint32_t, HeardPacket> detections(double now_s) const;
   std::optional<HeardPacket> geometry(double now_s) const;
 
-  /// Cameras may be taken out of the settings, and the geometry comes every minute at the longest.
+  /// Packets are forgotten because cameras may be removed from the settings. The interval of geometry packets
+  /// is at most a minute.
   static constexpr double kForgottenAfter_s = 61;
 
  private:
@@ -43,13 +44,13 @@ class HeardPackets {
     void take(std::span<const std::byte> datagram, double now_s);
     HeardPacket at(double now_s) const;
   };
-  mutable std::mutex mutex_;  // guards both
+  mutable std::mutex mutex_;  // guards cameras_ and geometry_
   std::map<std::uint32_t, Kind> cameras_;
   Kind geometry_;
 };
 
-/// A message in protobuf's own JSON, with the names of the .proto files, in one line; fields that the packet
-/// does not have are absent. Empty for bytes that are no packet.
+/// The packet in protobuf's JSON mapping, in one line, with the field names of the .proto files. Absent
+/// fields are omitted. Empty for bytes that are not a packet.
 std::string packet_json(std::span<const std::byte> datagram);
 
 }  // namespace sslv

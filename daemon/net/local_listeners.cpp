@@ -32,17 +32,17 @@ std::optional<Number> number_in(std::string_view digits, int base) {
   return value;
 }
 
-/// As the kernel prints an address: the number that its four bytes are in memory.
+/// The kernel prints the address's bytes in memory order as one number.
 std::string kernel_hex(const address_v4& address) {
   return fmt::format("{:08X}", htonl(address.to_uint()));
 }
 
-/// Inodes of this process' sockets.
+/// Inodes of this process's sockets.
 std::set<std::uint64_t> own_sockets() {
   std::set<std::uint64_t> inodes;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", error)) {
-    std::error_code gone;  // closed since
+    std::error_code gone;  // the file was closed meanwhile
     const std::string target = std::filesystem::read_symlink(entry.path(), gone).string();
     constexpr std::string_view kBefore = "socket:[";
     if (gone || !target.starts_with(kBefore) || !target.ends_with(']')) continue;
@@ -59,7 +59,7 @@ std::vector<ListeningSocket> listening_sockets(std::string_view proc_net_udp, co
                                                int port) {
   const std::string group_hex = kernel_hex(group);
   const std::string all_v4(8, '0'), all_v6(32, '0');
-  // IPv4 within IPv6.
+  // IPv4-mapped IPv6 address.
   const std::string group_v6 = "0000000000000000" + kernel_hex(address_v4(0xFFFF)) + group_hex;
   std::vector<ListeningSocket> sockets;
   std::istringstream lines{std::string(proc_net_udp)};
@@ -102,7 +102,7 @@ std::vector<GroupMembership> group_memberships(std::string_view proc_net_igmp, c
     std::istringstream fields(line);
     std::string first, second, colon, count, version;
     if (!line.starts_with('\t')) {
-      // 2 eth0 : 3 V3; a long name stands close to its colon.
+      // For example "2 eth0 : 3 V3"; a long name has no space before the colon.
       fields >> first >> second >> colon;
       if (second.ends_with(':')) {
         second.pop_back();

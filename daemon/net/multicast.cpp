@@ -30,7 +30,7 @@ using asio::ip::udp;
 
 constexpr std::chrono::seconds kWatchInterval{1};
 
-/// What to do about the wrong card or none, for the admin.
+/// Advice to the admin about a wrong or missing card.
 std::string advice() {
   return "set network/vision/interface to the card on the field's network; " + network_cards_text();
 }
@@ -49,18 +49,18 @@ udp::socket open_socket(asio::io_context& io, const MulticastSettings& settings)
   socket.set_option(multicast::hops(settings.ttl));
   socket.set_option(multicast::enable_loopback(settings.loopback));
   socket.set_option(udp::socket::broadcast(true));
-  // Broadcasts leave by the card that the socket is bound to.
+  // Broadcasts are sent on the card to which the socket is bound.
   address_v4 card;
   if (!settings.interface.empty()) {
     card = find_card(settings.interface);
     socket.set_option(multicast::outbound_interface(card));
   }
-  socket.bind(udp::endpoint(card, 0));  // now, so that its port is known before its first packet leaves
+  socket.bind(udp::endpoint(card, 0));  // bind now, so that the port is known before the first packet is sent
   return socket;
 }
 
-/// Why nothing may be sent there; empty when it may. Packets to a broadcast address of no subnet would go to
-/// some computer.
+/// Why nothing may be sent to this destination; empty if sending is permitted. Packets to a broadcast address
+/// that no subnet has would be sent to some computer.
 std::string why_not_sent_to(const address_v4& destination, const std::string& interface) {
   if (destination.is_multicast()) return {};
   const std::vector<address_v4> there = broadcast_addresses(interface);
@@ -79,9 +79,9 @@ bool is_routing_error(int error) {
   return error == ENETUNREACH || error == EHOSTUNREACH || error == ENODEV || error == ENETDOWN;
 }
 
-/// Where a packet goes and by which socket, in one word, so that a sender never sees half of a change.
+/// Destination and socket index packed into one word, so that senders read them atomically.
 struct Way {
-  static constexpr std::uint64_t kOpen = 2;  // no word of a socket is 0
+  static constexpr std::uint64_t kOpen = 2;  // makes every word nonzero
 
   Way(std::uint32_t to_address, std::uint16_t to_port, std::size_t at)
       : address(to_address), port(to_port), place(at) {}
@@ -155,21 +155,21 @@ void MulticastSender::open() {
   }
 }
 
-/// Puts a copy of the socket into the older of the two places.
+/// Duplicates the socket into the older of the two slots.
 void MulticastSender::keep(int socket) {
   const std::size_t place = 1 - newest_place_;
   const int number =
       sockets_[place] < 0 ? ::fcntl(socket, F_DUPFD_CLOEXEC, 0) : ::dup3(socket, sockets_[place], O_CLOEXEC);
   if (number < 0) throw std::system_error(errno, std::generic_category(), "no socket");
-  // Written before a sender is told of the place, and not again: one may be reading it.
+  // A slot is written only once, before any sender uses it, because senders read it without a lock.
   if (sockets_[place] < 0) sockets_[place] = number;
   newest_place_ = place;
 }
 
-/// Lets senders go by the newest socket, where subnets of this computer let them.
+/// Switches senders to the newest socket, for destinations that this computer's subnets permit.
 void MulticastSender::find_ways() {
   Words words{{}, {}, advice()};
-  std::array<std::uint64_t, kWays> found{};  // 0: nothing goes there
+  std::array<std::uint64_t, kWays> found{};  // 0: no destination
   const std::array<const std::string*, kWays> to{&settings_.group, &settings_.broadcast};
   for (std::size_t way = 0; way < kWays; ++way) {
     if (to[way]->empty()) continue;
@@ -289,7 +289,7 @@ void MulticastSender::watch(const std::stop_token& stop) {
     if (is_failing) {
       open();
     } else if (!words->open_error.empty()) {
-      find_ways();  // by the same socket, as is_own() knows the ports of only two
+      find_ways();  // keep the socket, because is_own() knows only two ports
     }
   }
 }

@@ -14,7 +14,7 @@
 #include <string>
 #include <thread>
 #include <tuple>
-#include <utility>  // before Asio of Boost 1.74, which uses std::exchange without it
+#include <utility>  // Asio of Boost 1.74 uses std::exchange without this include
 #include <vector>
 
 #include <boost/asio/io_context.hpp>
@@ -22,7 +22,7 @@
 
 namespace sslv {
 
-/// Where packets go. The defaults are the league's.
+/// The destinations of packets. The defaults are the league's.
 struct MulticastSettings {
   std::string group = "224.5.23.2";
   std::string broadcast{};
@@ -52,99 +52,101 @@ struct MulticastSettings {
   }
 };
 
-/// Throws SettingsError, beginning with `path`, for a text that can be neither an IPv4 multicast address nor
-/// a broadcast address.
+/// Throws SettingsError, beginning with `path`, for a text that is neither an IPv4 multicast address nor a
+/// possible broadcast address.
 void check_group(const std::string& group, const std::string& path);
 
-/// Throws SettingsError, beginning with `path`, for addresses that packets cannot go to. A network card or
-/// subnet that is not there is no such error: it may come later.
+/// Throws SettingsError, beginning with `path`, for addresses that packets cannot be sent to. A missing
+/// network card or subnet is not an error: either may appear later.
 void check_multicast(const MulticastSettings& settings, const std::string& path);
 
 struct MulticastStatus {
-  std::uint64_t packets_sent = 0;  // that left, at least one of two ways
-  std::uint64_t send_errors = 0;   // packets that did not leave, or failed one of two ways
-  double packets_per_s = 0;        // sent, over the last second
-  std::string error;               // why packets do not leave at present and what to do; empty when they do
-  bool some_leave = false;         // beside an error: to the group or to the broadcast address they do
+  std::uint64_t packets_sent = 0;  // packets sent to at least one destination
+  std::uint64_t send_errors = 0;   // packets not sent to all destinations
+  double packets_per_s = 0;        // rate of sent packets, averaged over the last second
+  std::string error;               // why packets are not sent at present, and what to do; otherwise empty
+  bool some_leave = false;         // despite the error, one of the destinations still works
 };
 
-/// Sends datagrams to a multicast group, to a broadcast address, or to both. Any thread may send; nobody
-/// waits, not even for a thread of lower priority that asks for the status: what the system does not take at
-/// once is lost and counted. A socket that cannot be opened or cannot send is reopened every second. A
-/// broadcast address that is not there keeps no packet from the group, and is looked for every second.
+/// Sends datagrams to a multicast group, a broadcast address, or both. Any thread may call send(), which
+/// never waits, not even for a thread of lower priority that calls status(). Packets that the system does not
+/// accept at once are lost and counted. A socket that cannot be opened or cannot send is reopened every
+/// second. A missing broadcast address does not affect packets to the group, and is searched for every
+/// second.
 class MulticastSender {
  public:
-  /// Throws as configure() does.
+  /// Throws like configure().
   explicit MulticastSender(const MulticastSettings& settings, const std::string& path = "/network");
   ~MulticastSender();
   MulticastSender(const MulticastSender&) = delete;
   MulticastSender& operator=(const MulticastSender&) = delete;
 
-  /// Sends by new settings from now on. Throws as check_multicast() does, and then goes on with the old ones.
+  /// Applies new settings. Throws like check_multicast(), and then keeps the old settings.
   void configure(const MulticastSettings& settings, const std::string& path = "/network");
 
-  /// False when the packet did not leave, or not to both where there are two; status() says why. Takes no
-  /// lock.
+  /// False if the packet was not sent to all destinations; status() gives the reason. Takes no lock.
   bool send(std::span<const std::byte> packet) noexcept;
 
-  /// Whether a packet with this sender's address came from here, also when the socket was reopened since.
-  /// Asks the system for this computer's addresses only where this is none of those that it had, and seldom:
-  /// anybody can send from a port of the same number.
+  /// Whether a packet with this sender address was sent by this object, possibly before its socket was
+  /// reopened. Reads this computer's addresses from the system only for an unknown address, and at a limited
+  /// rate, because anyone can send from a port with the same number.
   bool is_own(const boost::asio::ip::udp::endpoint& sender) const;
 
-  /// Does not wait for a socket being opened.
+  /// Does not wait while a socket is being opened.
   MulticastStatus status() const;
 
  private:
-  static constexpr std::size_t kWays = 2;  // to the group and to the broadcast address
+  static constexpr std::size_t kWays = 2;  // two destinations: the group and the broadcast address
 
-  /// What the words of a status are made of.
+  /// Text parts for the status.
   struct Words {
     std::array<std::string, kWays> to;  // "224.5.23.2:10006"
-    std::string open_error;             // why there is no socket, or no subnet; empty: there are
-    std::string advice;                 // what to do about the wrong card or none
+    std::string open_error;             // why there is no socket or no subnet; empty if both exist
+    std::string advice;                 // what to do about a wrong or missing card
   };
 
-  /// As MulticastStatus.
+  /// See MulticastStatus.
   struct Counts {
     std::atomic<std::uint64_t> packets_sent{0}, send_errors{0};
     std::atomic<double> packets_per_s{0};
   };
 
-  // These three with control_mutex_ held.
+  // open(), keep() and find_ways() require control_mutex_.
   void open();
   void keep(int socket);
   void find_ways();
   void watch(const std::stop_token& stop);
-  int error_of(std::size_t way) const;  // errno; 0 also where nothing goes
+  int error_of(std::size_t way) const;  // errno; 0 also without a destination
   std::string error_text(const Words& words) const;
   bool send_to(std::size_t way, std::uint64_t word, std::span<const std::byte> packet) noexcept;
 
-  std::mutex control_mutex_;  // guards the five below; held while a socket is opened, and by no sender
+  std::mutex control_mutex_;  // guards the next five members; held while a socket opens, not by senders
   MulticastSettings settings_;
   boost::asio::io_context io_;
   std::size_t newest_place_ = 0;
-  bool is_open_ = false;  // there is a socket in it
+  bool is_open_ = false;  // the newest socket is open
 
-  // Numbers that lead to sockets as long as this lives, once they are not -1: the newest and the one before
-  // it, so that a sender that was interrupted still sends by the settings that it began with.
+  // File descriptors of the newest and the previous socket. A descriptor that is not -1 stays valid for this
+  // object's lifetime, so that a sender that was interrupted still sends with the settings with which it
+  // began.
   std::array<int, 2> sockets_{-1, -1};
-  // Destination, and in which of the two places its socket is; 0: nothing goes there. See multicast.cpp.
+  // For each destination, its address and the index of its socket, see Way in multicast.cpp; 0: no
+  // destination.
   std::array<std::atomic<std::uint64_t>, kWays> ways_{};
 
-  std::array<std::atomic<int>, kWays> send_errors_{};  // errno of the last packet; 0: it left
+  std::array<std::atomic<int>, kWays> send_errors_{};  // errno of the last packet; 0: the packet was sent
   Counts counts_;
   Snapshot<Words> words_{Words{}};
 
-  // Local ports of the socket and, in the upper half, of the one before it, whose packets may be on their
-  // way.
+  // Local ports of the current socket (low 16 bits) and of the previous socket (high 16 bits), whose packets
+  // may still arrive.
   std::atomic<std::uint32_t> own_ports_{0};
-  // What is_own() found last, and when it may ask again (steady).
+  // The addresses that is_own() found last; the earliest time of its next query (steady clock).
   mutable Snapshot<std::vector<boost::asio::ip::address_v4>> own_addresses_{
       std::vector<boost::asio::ip::address_v4>{}};
   mutable std::atomic<double> asks_again_s_{0};
 
-  std::jthread watcher_;  // last, so that it ends before what it uses
+  std::jthread watcher_;  // last: stops before the members it uses are destroyed
 };
 
 }  // namespace sslv

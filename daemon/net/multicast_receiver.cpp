@@ -36,9 +36,10 @@ namespace multicast = boost::asio::ip::multicast;
 using asio::ip::address_v4;
 using asio::ip::udp;
 
-constexpr int kSilentLooks = 10;  // then the group is joined again
+constexpr int kSilentLooks = 10;  // silent intervals before the group is rejoined
 
-/// The name of the card that was asked for, or that the system's routes lead to. Throws std::runtime_error.
+/// The name of the configured card, or of the card that the system's routes select. Throws
+/// std::runtime_error.
 std::string card_of(const GroupAddress& where) {
   if (!where.interface.empty()) return network_card_name(where.interface);
   const address_v4 from = address_towards(asio::ip::make_address_v4(where.group));
@@ -46,9 +47,8 @@ std::string card_of(const GroupAddress& where) {
   return network_card_name(from.to_string());
 }
 
-/// Bound to one address, so that packets of other groups, or for this computer alone, do not come. Only what
-/// comes through one card is heard, not what others of this computer joined elsewhere, nor what strangers
-/// send to another card.
+/// Binds to `address`, which excludes packets of other groups and unicast. Receives only from one card,
+/// neither groups that other programs joined on other cards, nor packets that strangers send to another card.
 udp::socket open_at(asio::io_context& io, const address_v4& address, const GroupAddress& where,
                     const std::string& card) {
   udp::socket socket(io, udp::v4());
@@ -68,7 +68,7 @@ udp::socket open_at(asio::io_context& io, const address_v4& address, const Group
   return socket;
 }
 
-/// Tells the second copy of a datagram that was sent to two addresses.
+/// Detects the second copy of a datagram that was sent to two addresses.
 class Copies {
  public:
   bool is_copy(std::span<const std::byte> datagram, const udp::endpoint& sender, const address_v4& to,
@@ -92,14 +92,14 @@ class Copies {
     double heard_s = -1e9;
     address_v4 to{};
   };
-  // A socket's buffer has fewer, and one is read after the other.
+  // More datagrams than a socket's buffer holds, because the sockets are read in turn.
   std::array<Seen, 512> seen_{};
   std::size_t next_ = 0;
 };
 
 }  // namespace
 
-/// What the receiver's thread works on: one group at one card, and broadcasts to its port; or nothing.
+/// The receiver thread's state: one group on one card, and broadcasts to its port; or nothing.
 class MulticastReceiver::Listener {
  public:
   explicit Listener(MulticastReceiver& owner) : owner_(owner) {
@@ -129,11 +129,11 @@ class MulticastReceiver::Listener {
   }
 
  private:
-  /// A socket at one address, kept by what waits for its next datagram.
+  /// A socket bound to one address. The pending asynchronous wait keeps it alive.
   struct Ear {
     udp::socket socket;
     address_v4 address;
-    std::string card;  // that broadcasts come by
+    std::string card;  // card that broadcasts arrive on
   };
 
   bool has_ear(const address_v4& address) const {
@@ -146,7 +146,7 @@ class MulticastReceiver::Listener {
     std::erase_if(ears_, [&](const auto& ear) {
       if (!which(*ear)) return false;
       boost::system::error_code ignored;
-      ear->socket.close(ignored);  // what waits for it lets it go
+      ear->socket.close(ignored);  // the pending wait fails and releases the ear
       return true;
     });
   }
@@ -157,7 +157,7 @@ class MulticastReceiver::Listener {
     receive(ears_.back());
   }
 
-  /// The group, and where broadcasts go at present; each that is not open.
+  /// Opens the missing sockets for the group and the current broadcast addresses.
   void open() {
     own_.clear();
     for (const NetworkCard& one : network_cards()) {
@@ -208,13 +208,13 @@ class MulticastReceiver::Listener {
 
   void receive(const std::shared_ptr<Ear>& ear) {
     ear->socket.async_wait(udp::socket::wait_read, [this, ear](const boost::system::error_code& error) {
-      if (error || std::ranges::find(ears_, ear) == ears_.end()) return;  // it is no more
+      if (error || std::ranges::find(ears_, ear) == ears_.end()) return;  // the socket was closed
       if (read(*ear)) receive(ear);
     });
   }
 
-  /// What has come; some of it, so that the other sockets have their turn. False when the socket is of no use
-  /// any more: look() opens it again.
+  /// Reads at most kMost datagrams, so that the other sockets get their turn. False if the socket failed;
+  /// look() then reopens it.
   bool read(Ear& ear) {
     constexpr int kMost = 64;
     for (int i = 0; i < kMost; ++i) {
@@ -269,7 +269,7 @@ class MulticastReceiver::Listener {
   }
 
   MulticastReceiver& owner_;
-  // All below is the thread's, once there is one.
+  // Once the thread runs, only it uses the following members.
   std::optional<GroupAddress> where_;
   asio::io_context io_{1};
   std::vector<std::shared_ptr<Ear>> ears_;
@@ -278,7 +278,7 @@ class MulticastReceiver::Listener {
   std::set<std::string> own_;  // addresses of this computer
   asio::steady_timer timer_{io_};
   int silent_looks_ = 0;
-  std::jthread thread_;  // last, so that it ends before what it uses
+  std::jthread thread_;  // last: ends before the members it uses are destroyed
 };
 
 MulticastReceiver::MulticastReceiver(std::string thread_name, Handler handler,

@@ -11,55 +11,58 @@
 #include <set>
 #include <span>
 #include <string>
-#include <utility>  // before Asio of Boost 1.74, which uses std::exchange without it
+#include <utility>  // Asio of Boost 1.74 uses std::exchange without this include
 #include <vector>
 
 #include <boost/asio/ip/udp.hpp>
 
 namespace sslv {
 
-/// Where to listen. Broadcasts to the port are heard as well, by the same network card.
+/// The address to listen at. Broadcasts to the port are received as well, on the same network card.
 struct GroupAddress {
   std::string group;  // IPv4 multicast address, or a broadcast address
   int port = 0;
-  std::string interface;  // name or IPv4 address of the network card; empty: the system's routes choose
+  std::string interface;  // name or IPv4 address of the network card; empty: selected by the system's routes
 
   bool operator==(const GroupAddress&) const = default;
 };
 
-/// Which way the packets of a computer come.
+/// The ways in which packets of a computer arrive.
 struct Arrival {
   std::string address;
   bool by_multicast = false, by_broadcast = false;
 };
 
-/// Hears a multicast group, and broadcasts to its port, in a thread of its own, which yields to the cameras'
-/// threads. What comes both ways is handed on once. Looks every second: a group that cannot be joined is
-/// tried again; one that was silent at ten looks is joined again, as its card may have gone and come back.
+/// Receives a multicast group, and broadcasts to its port, in its own thread, which has lower priority than
+/// the cameras' threads. A datagram that arrives both ways is passed on once. A group that could not be
+/// joined is retried every `look_interval`. A group is rejoined after ten silent intervals, because the card
+/// may have been removed and restored.
 class MulticastReceiver {
  public:
-  /// Called with every datagram and who sent it, from the receiver's thread.
+  /// Called from the receiver's thread with every datagram and its sender.
   using Handler =
       std::function<void(std::span<const std::byte> datagram, const boost::asio::ip::udp::endpoint& sender)>;
 
-  /// `thread_name` has at most 15 characters. Throws std::system_error when the thread cannot be had.
+  /// `thread_name` has at most 15 characters. Throws std::system_error if the thread cannot be created.
   MulticastReceiver(std::string thread_name, Handler handler,
                     std::chrono::milliseconds look_interval = std::chrono::seconds(1));
   ~MulticastReceiver();
 
-  /// Listens there from now on, or nowhere. When it returns, what comes now is heard, and the handler has
-  /// seen the last datagram of the place before. Not for the handler, nor for two threads at once.
+  /// Listens at `where` from now on, or nowhere if `where` is empty. On return, the new socket receives, and
+  /// the handler gets no more datagrams of the old socket. Must not be called from the handler or from two
+  /// threads at the same time.
   void listen(const std::optional<GroupAddress>& where);
 
-  /// Why nothing can be heard at present; empty when it can.
+  /// Why nothing can be received at present; otherwise empty.
   std::string error() const;
 
-  /// Why broadcasts, or some of them, are not heard at present; empty when they are.
+  /// Why some or all broadcasts are not received at present; otherwise empty.
   std::string broadcast_error() const;
 
-  /// IPv4 addresses of computers that others leave room for in arrivals(), as they do for this one.
+  /// Sets the IPv4 addresses of computers that unnamed computers cannot displace from arrivals(). Nor can
+  /// they displace this computer.
   void set_named(std::set<std::string> addresses);
-  /// Who was heard in the last kForgottenAfter_s, at a monotonic time.
+  /// The senders of the last kForgottenAfter_s, at a monotonic time.
   std::vector<Arrival> arrivals(double now_s) const;
   static constexpr double kForgottenAfter_s = 5;
 
@@ -72,11 +75,11 @@ class MulticastReceiver {
   const std::string thread_name_;
   const Handler handler_;
   const std::chrono::milliseconds look_interval_;
-  mutable std::mutex mutex_;  // guards the next four
+  mutable std::mutex mutex_;  // guards the following four members
   std::string error_, broadcast_error_;
   std::set<std::string> named_;
   std::map<std::string, Heard> heard_;  // by address
-  std::unique_ptr<Listener> listener_;  // last, so that its thread ends before what it uses
+  std::unique_ptr<Listener> listener_;  // last: its thread ends before the members it uses are destroyed
 };
 
 }  // namespace sslv

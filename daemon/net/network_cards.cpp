@@ -70,7 +70,7 @@ address_v4 address_towards(const address_v4& destination) {
 
 namespace {
 
-/// Throws std::runtime_error when there is none.
+/// Throws std::runtime_error if there is no such card.
 std::pair<NetworkCard, address_v4> card_and_address(const std::string& name_or_address) {
   for (const NetworkCard& card : network_cards()) {
     for (const address_v4& address : card.addresses) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <string>
-#include <utility>  // before Asio of Boost 1.74, which uses std::exchange without it
+#include <utility>  // Asio of Boost 1.74 uses std::exchange without this include
 #include <vector>
 
 #include <boost/asio/ip/address_v4.hpp>
@@ -11,34 +11,36 @@ namespace sslv {
 
 struct NetworkCard {
   std::string name;
-  std::vector<boost::asio::ip::address_v4> addresses;  // those it has at present
+  std::vector<boost::asio::ip::address_v4> addresses;  // its current IPv4 addresses
   bool is_up = false;
-  bool has_link = false;  // up, and its cable or access point is there
+  bool has_link = false;  // up, and connected to a cable or access point
   bool is_loopback = false;
-  bool has_multicast = false;                             // as the system says; lo says no and still takes it
-  std::vector<boost::asio::ip::address_v4> broadcasts{};  // of its subnets
+  /// As reported by the system, which reports false for lo, although lo accepts multicast.
+  bool has_multicast = false;
+  std::vector<boost::asio::ip::address_v4> broadcasts{};  // broadcast addresses of its subnets
 };
 
 /// The network cards of this computer, in the system's order.
 std::vector<NetworkCard> network_cards();
 
-/// Those that have an IPv4 address, as the end of a sentence for the admin.
+/// The cards that have an IPv4 address, as the end of a sentence for the admin.
 std::string network_cards_text();
 
-/// The address that packets to `destination` leave from by the system's routes; 0.0.0.0: there is no way.
+/// The local address of packets to `destination` by the system's routes; 0.0.0.0 without a route.
 boost::asio::ip::address_v4 address_towards(const boost::asio::ip::address_v4& destination);
 
-/// The address of the card with this name or IPv4 address. Throws std::runtime_error when there is none.
+/// The address of the card with this name or IPv4 address. Throws std::runtime_error if there is no such
+/// card.
 boost::asio::ip::address_v4 find_network_card(const std::string& name_or_address);
-/// Likewise its name.
+/// The name of the card with this name or IPv4 address. Throws like find_network_card().
 std::string network_card_name(const std::string& name_or_address);
 
-/// Where broadcasts to a card go, or to all of them when `name_or_address` is empty: 255.255.255.255 and
-/// those of its subnets.
+/// The broadcast addresses of a card, or of all cards if `name_or_address` is empty: 255.255.255.255 and the
+/// broadcast addresses of the subnets.
 std::vector<boost::asio::ip::address_v4> broadcast_addresses(const std::string& name_or_address);
 
-/// Whether this may be a broadcast address, as far as it says itself: which those of subnets are, only their
-/// computers know.
+/// Whether the address can be a broadcast address. A certain answer requires the subnet's mask, which only
+/// the subnet's computers know.
 bool may_be_broadcast(const boost::asio::ip::address_v4& address);
 
 }  // namespace sslv

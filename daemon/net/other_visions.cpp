@@ -14,7 +14,7 @@ using google::protobuf::FieldDescriptor;
 
 std::vector<SizeConflict> size_conflicts(const SSL_GeometryFieldSize& ours,
                                          const SSL_GeometryFieldSize& theirs) {
-  constexpr double kSame_mm = 0.01;  // the wire has floats
+  constexpr double kSame_mm = 0.01;  // the wire format has floats
   std::vector<SizeConflict> conflicts;
   for (int i = 0; i < ours.GetDescriptor()->field_count(); ++i) {
     const FieldDescriptor& field = *ours.GetDescriptor()->field(i);

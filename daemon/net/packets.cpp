@@ -13,13 +13,15 @@ float wire_confidence(double confidence) {
 }
 
 float wire_orientation(double angle_rad) {
-  // The float nearest to pi is larger than pi: the one below it keeps receivers' range checks true.
+  // The float nearest to pi is larger than pi; use the next smaller one, so that receivers' range checks
+  // pass.
   constexpr float kLargest = 3.1415925F;
   const double wrapped = std::remainder(angle_rad, 2 * std::numbers::pi);
   return wrapped <= -kLargest ? kLargest : std::min(static_cast<float>(wrapped), kLargest);
 }
 
-/// Moves the message added last to its place by falling confidence; costs nothing when they come in order.
+/// Moves the last message to its place by descending confidence. Costs nothing if the messages are already
+/// sorted.
 template <class Message>
 void sink_last(google::protobuf::RepeatedPtrField<Message>& messages) {
   for (int i = messages.size() - 1; i > 0 && messages[i - 1].confidence() < messages[i].confidence(); --i) {
@@ -103,7 +105,7 @@ void write_camera(const CalibratedCamera& camera, SSL_GeometryCameraCalibration&
   out.set_principal_point_x(static_cast<float>(c.principal_point_x));
   out.set_principal_point_y(static_cast<float>(c.principal_point_y));
   out.set_distortion(static_cast<float>(c.distortion));
-  // Normalised, for receivers that take its unit length for granted.
+  // Normalised, because some receivers assume a unit quaternion.
   const Eigen::Vector4d q = Eigen::Vector4d(c.q0, c.q1, c.q2, c.q3).normalized();
   out.set_q0(static_cast<float>(q[0]));
   out.set_q1(static_cast<float>(q[1]));
@@ -112,7 +114,7 @@ void write_camera(const CalibratedCamera& camera, SSL_GeometryCameraCalibration&
   out.set_tx(static_cast<float>(c.tx));
   out.set_ty(static_cast<float>(c.ty));
   out.set_tz(static_cast<float>(c.tz));
-  // Always: a tracker in wide use ignores a calibration without them.
+  // Always sent, because a widely used tracker ignores calibrations without these fields.
   const Eigen::Vector3d& position_mm = camera.model.position_mm();
   out.set_derived_camera_world_tx(static_cast<float>(position_mm.x()));
   out.set_derived_camera_world_ty(static_cast<float>(position_mm.y()));

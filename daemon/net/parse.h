@@ -10,8 +10,8 @@ class MessageLite;
 
 namespace sslv {
 
-/// Reads a message; false when it is none. Says nothing: protobuf itself writes a line for every datagram
-/// that it cannot read, and a stranger's datagrams are not to fill the journal.
+/// Parses a message; false if the bytes are invalid. Silences protobuf's own log, so that a stranger's
+/// datagrams cannot fill the journal.
 bool parse(google::protobuf::MessageLite& message, std::span<const std::byte> datagram);
 
 }  // namespace sslv

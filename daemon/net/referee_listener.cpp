@@ -21,8 +21,8 @@ bool is_readable(const std::string& text) {
   return text.size() <= kLongest && g_utf8_validate(text.data(), static_cast<gssize>(text.size()), nullptr);
 }
 
-/// Both teams and their names are there: what else came is not from a game controller.
-bool makes_sense(const Referee& referee) {
+/// A game controller's message has both teams with names; other messages are refused.
+bool is_valid(const Referee& referee) {
   return referee.yellow().has_name() && referee.blue().has_name() && is_readable(referee.yellow().name()) &&
          is_readable(referee.blue().name()) && is_readable(referee.source_identifier());
 }
@@ -48,7 +48,7 @@ bool says_that_robots_are_handled(const Referee& referee) {
 }
 
 std::optional<int> robots_allowed(const Referee::TeamInfo& team) {
-  constexpr std::uint32_t kMax = 16;  // ids that there are
+  constexpr std::uint32_t kMax = 16;  // number of robot ids
   if (!team.has_max_allowed_bots() || team.max_allowed_bots() > kMax) return std::nullopt;
   return static_cast<int>(team.max_allowed_bots());
 }
@@ -100,7 +100,7 @@ void RefereeListener::listen(const std::optional<GroupAddress>& where) {
 void RefereeListener::receive(std::span<const std::byte> datagram, const udp::endpoint& sender,
                               double now_s) {
   Referee referee;
-  const bool good = parse(referee, datagram) && makes_sense(referee);
+  const bool good = parse(referee, datagram) && is_valid(referee);
   {
     const std::lock_guard lock(mutex_);
     if (!good) {
@@ -116,7 +116,7 @@ void RefereeListener::receive(std::span<const std::byte> datagram, const udp::en
       other_heard_s_ = now_s;
       return;
     }
-    if (is_other) other_heard_s_.reset();  // it is the one from now on
+    if (is_other) other_heard_s_.reset();  // from now on, that game controller is followed
     followed_ = std::move(from);
     heard_s_ = now_s;
     game_is_running_ = says_that_robots_play(referee);

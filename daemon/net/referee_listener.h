@@ -17,7 +17,7 @@
 
 namespace sslv {
 
-/// Where the game controller is heard. The defaults are the league's.
+/// The address at which to listen to the game controller. The defaults are the league's.
 struct RefereeSettings {
   bool enabled = true;
   std::string group = "224.5.23.1";
@@ -39,75 +39,76 @@ struct RefereeSettings {
 };
 
 struct GameController {
-  std::string source;  // as it names itself; its address when it does not
+  std::string source;  // the name that it sends, or its address if it sends no name
   std::string address;
 };
 
-/// How the match stands, as the last message says.
+/// The state of the match by the last message.
 struct MatchState {
   int stage = 0;                       // the game controller's Stage
-  int type = 0;                        // its MatchType
-  bool is_halted = true;               // its command is HALT, or it says none
-  std::optional<int> command{};        // the game controller's Command; none: it says none
-  std::optional<double> time_left_s;   // of the stage; negative when it lasts longer than it should
+  int type = 0;                        // the game controller's MatchType
+  bool is_halted = true;               // the command is HALT or absent
+  std::optional<int> command{};        // the game controller's Command; empty if absent
+  std::optional<double> time_left_s;   // time left in the stage; negative after the planned end
   std::array<std::uint32_t, 2> score;  // by Team
 };
 
-/// What the game controller has said.
+/// The last state received from the game controller.
 struct RefereeStatus {
-  std::array<std::string, 2> team_names;  // by Team; empty: not said yet
-  std::optional<double> silent_s;         // since its last message; none: there was none
-  GameController followed;                // who sent it
-  std::optional<GameController> other;    // heard lately too, and not followed
-  std::uint64_t refused = 0;              // datagrams that could not be read
-  std::string error;                      // why nothing can be heard; empty when it can
+  std::array<std::string, 2> team_names;  // by Team; empty: not received yet
+  std::optional<double> silent_s;         // time since the last message; empty before the first message
+  GameController followed;                // the sender of this state
+  std::optional<GameController> other;    // another game controller, received recently but ignored
+  std::uint64_t refused = 0;              // invalid datagrams
+  std::string error;                      // why nothing can be received; otherwise empty
   bool game_is_running = false;           // robots may play
-  bool stage_is_played = false;           // the same, or a HALT in between
-  bool robots_are_handled = false;        // meanwhile: people may take them off, in a HALT or a timeout
-  std::array<std::optional<int>, 2> robots_allowed;  // by Team; none: it does not say
-  std::optional<bool> blue_at_positive_x;            // that half is the blue team's; none: it does not say
-  std::optional<MatchState> match;                   // none before a message with a stage
+  bool stage_is_played = false;           // robots may play, or play is interrupted by a HALT
+  bool robots_are_handled = false;  // people may remove robots: a HALT or a timeout while a stage is played
+  std::array<std::optional<int>, 2> robots_allowed;  // by Team; empty if not sent
+  std::optional<bool> blue_at_positive_x;            // the blue team's half; empty if not sent
+  std::optional<MatchState> match;                   // empty before a message with a stage
 
-  /// A game controller that falls silent for a while does not end a match; one that was switched off long ago
-  /// does.
+  /// The match counts as over after this time without a message, because the game controller was then
+  /// probably switched off. A shorter silence does not end the match.
   static constexpr double kMatchOverAfter_s = 600;
-  /// A stage is played.
+  /// Whether a stage is being played.
   bool match_runs() const { return stage_is_played && silent_s.value_or(1e9) < kMatchOverAfter_s; }
-  /// It has begun and is not over: a stage is played, or there is a break.
+  /// Whether the match has begun and is not over: a stage is being played, or there is a break.
   bool is_in_match() const;
 };
 
-/// Hears from the game controller how the teams are named and whether the game runs. Both stay as they are
-/// when it falls silent: the match goes on. Of several, the first is followed until it is silent for some
-/// seconds. May be used from any thread; listens in one of its own.
+/// Receives the team names and the state of the game from the game controller. Keeps the last state when the
+/// game controller falls silent, because the match continues. Of several game controllers, the first is
+/// followed until it is silent for some seconds. Thread-safe; receives in its own thread.
 class RefereeListener {
  public:
   static constexpr double kForgottenAfter_s = 5;
 
-  /// `on_new_names` is called, from the listening thread, whenever a team has another name.
+  /// `on_new_names` is called from the listening thread whenever a team's name changes.
   explicit RefereeListener(std::function<void()> on_new_names);
 
-  /// Listens there from now on, or nowhere, and forgets what was heard elsewhere; nothing happens when it
-  /// listens there already. Not for `on_new_names`, nor for two threads at once.
+  /// Listens at `where` from now on, or nowhere, and discards the old state; does nothing if it already
+  /// listens there. Must not be called from `on_new_names` or from two threads at the same time.
   void listen(const std::optional<GroupAddress>& where);
 
-  /// Takes one datagram, at a monotonic time. For the listening thread, and for tests that do not listen.
+  /// Processes one datagram, received at a monotonic time. For the listening thread, and for tests that do
+  /// not listen.
   void receive(std::span<const std::byte> datagram, const boost::asio::ip::udp::endpoint& sender,
                double now_s);
 
   std::array<std::string, 2> team_names() const;
-  /// The last message's stage is a half, an extra half or the shoot-out, and its command any but HALT. Before
-  /// the kick-off, in breaks and after the match it is not running.
+  /// True if the last message's stage is a half, an extra half or the shoot-out, and its command is not HALT.
+  /// False before the kick-off, in breaks and after the match.
   bool game_is_running() const;
   RefereeStatus status(double now_s) const;
-  /// Who sends there, and which way it comes.
+  /// All senders, and the ways in which their packets arrive.
   std::vector<Arrival> arrivals(double now_s) const { return receiver_.arrivals(now_s); }
   std::string broadcast_error() const { return receiver_.broadcast_error(); }
 
  private:
   const std::function<void()> on_new_names_;
   std::optional<GroupAddress> where_;
-  mutable std::mutex mutex_;  // guards those below but for the last
+  mutable std::mutex mutex_;  // guards the following members except receiver_
   std::array<std::string, 2> team_names_;
   GameController followed_, other_;
   std::optional<double> heard_s_, other_heard_s_;
@@ -116,7 +117,7 @@ class RefereeListener {
   std::array<std::optional<int>, 2> robots_allowed_;
   std::optional<bool> blue_at_positive_x_;
   std::optional<MatchState> match_;
-  MulticastReceiver receiver_;  // last, so that it ends before what it uses
+  MulticastReceiver receiver_;  // last: stops before the members it uses are destroyed
 };
 
 }  // namespace sslv

@@ -52,7 +52,7 @@ constexpr TeamHeight kTeamHeights[] = {
 
 using GText = std::unique_ptr<gchar, decltype(&g_free)>;
 
-/// What is left of a name when spelling does not count: letters and digits, without case and accents.
+/// The name reduced to its letters and digits, without case and accents.
 std::u32string key_of(std::string_view name) {
   const GText decomposed(g_utf8_normalize(name.data(), static_cast<gssize>(name.size()), G_NORMALIZE_ALL),
                          g_free);
@@ -62,7 +62,7 @@ std::u32string key_of(std::string_view name) {
   for (const gchar* at = folded.get(); *at != '\0'; at = g_utf8_next_char(at)) {
     constexpr gunichar kMu = 0x3BC;
     const gunichar letter = g_utf8_get_char(at);
-    // Who has no mu on the keyboard writes u.
+    // Users without mu on their keyboard type u.
     if (g_unichar_isalnum(letter)) key += letter == kMu ? U'u' : static_cast<char32_t>(letter);
   }
   return key;

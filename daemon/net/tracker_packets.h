@@ -11,16 +11,16 @@
 
 namespace sslv {
 
-/// Who says it.
+/// Identifies the sender.
 struct TrackerSource {
   std::string uuid, name;
 };
 
-/// Makes `packet` the packet of tracks, in metres. A kick is told as long as its ball is under way. `packet`
-/// keeps its memory.
+/// Fills `packet` with tracks, in metres. Includes a kick while its ball is still moving. Reuses the memory
+/// of `packet`.
 void write_tracked(const TrackedField& tracked, const TrackerSource& source, TrackerWrapperPacket& packet);
 
-/// The packet's bytes; they lie in `buffer`, whose capacity is kept.
+/// The packet's bytes, stored in `buffer`, whose capacity is reused.
 std::span<const std::byte> serialize(const TrackerWrapperPacket& packet, std::vector<std::byte>& buffer);
 
 }  // namespace sslv

@@ -8,8 +8,8 @@
 
 namespace sslv {
 
-/// Where tracks go. Off unless an admin wants them: in the league's matches the automatic referees send them,
-/// not the vision.
+/// The destinations of tracks. Off by default, because in the league's matches the automatic referees send
+/// tracks, not the vision.
 struct TrackerSettings {
   bool enabled = false;
   std::string group = "224.5.23.2";

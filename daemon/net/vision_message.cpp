@@ -3,7 +3,7 @@
 
 #include "geometry/limits.h"
 #include "net/parse.h"
-#include "pipeline/senseless.h"
+#include "pipeline/validate.h"
 #include "ssl_vision_wrapper.pb.h"
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace {
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 
-constexpr double kUsualRobotHeightMm = 140;  // where a packet does not say it
+constexpr double kUsualRobotHeightMm = 140;  // assumed if the packet does not contain the height
 
 template <class Things>
 bool are_somewhere(const Things& things) {
@@ -28,21 +28,21 @@ bool is_id(std::uint32_t id) {
   return id <= static_cast<std::uint32_t>(limits::kMaxId);
 }
 
-/// False for what is no number.
+/// False for NaN.
 bool is_time(double t_s) {
   return std::abs(t_s) <= limits::kMaxTime_s;
 }
 
-bool is_sound(const SSL_DetectionFrame& frame) {
+bool is_valid(const SSL_DetectionFrame& frame) {
   return is_id(frame.camera_id()) && is_time(frame.t_capture()) && is_time(frame.t_sent()) &&
          are_somewhere(frame.balls()) && are_somewhere(frame.robots_yellow()) &&
          are_somewhere(frame.robots_blue());
 }
 
-bool is_sound(const SSL_GeometryFieldSize& field) {
+bool is_valid(const SSL_GeometryFieldSize& field) {
   for (int i = 0; i < field.GetDescriptor()->field_count(); ++i) {
     const auto size = number_of(field, *field.GetDescriptor()->field(i));
-    if (size && !(*size >= 0 && *size <= limits::kMaxPlaceMm)) return false;  // NaN neither
+    if (size && !(*size >= 0 && *size <= limits::kMaxPlaceMm)) return false;  // false for NaN too
   }
   return field.field_length() > 0 && field.field_width() > 0;
 }
@@ -54,7 +54,8 @@ SSL_GeometryFieldSize sizes_of(SSL_GeometryFieldSize& field) {
   return std::move(field);
 }
 
-/// Returns how many are left out. Both teams have room, however many robots one of them has.
+/// Returns the number of dropped robots. Each team has its own limit, so that one team's robots cannot
+/// displace the other team's.
 std::uint64_t add_sightings(const google::protobuf::RepeatedPtrField<SSL_DetectionRobot>& robots, Team team,
                             CameraSightings& out) {
   std::uint64_t left_out = 0;
@@ -77,7 +78,8 @@ std::uint64_t add_sightings(const google::protobuf::RepeatedPtrField<SSL_Detecti
   return left_out;
 }
 
-/// Where the camera hangs is not known yet: HeardCameras checks again when it is.
+/// Assumes the greatest camera height, because the camera's position is not known yet. HeardCameras validates
+/// again once the position is known.
 VisionMessage::Detection detection_of(const SSL_DetectionFrame& frame) {
   VisionMessage::Detection out{{}, frame.t_sent()};
   CameraSightings& image = out.arrived.image;
@@ -90,7 +92,7 @@ VisionMessage::Detection detection_of(const SSL_DetectionFrame& frame) {
   out.arrived.left_out += add_sightings(frame.robots_blue(), Team::kBlue, image);
   for (const SSL_DetectionBall& ball : frame.balls())
     image.balls.push_back({{ball.x(), ball.y()}, Eigen::Matrix2d::Zero(), ball.confidence()});
-  const Senseless dropped = drop_senseless(image);
+  const InvalidCounts dropped = drop_invalid(image);
   out.arrived.left_out += dropped.robots + dropped.balls;
   return out;
 }
@@ -115,7 +117,7 @@ std::optional<VisionMessage> VisionMessage::read(std::span<const std::byte> data
   if (!packet.has_detection() && !packet.has_geometry() && !says_other_things) return std::nullopt;
   VisionMessage out;
   if (packet.has_geometry()) {
-    if (!is_sound(packet.geometry().field())) return std::nullopt;
+    if (!is_valid(packet.geometry().field())) return std::nullopt;
     out.field = sizes_of(*packet.mutable_geometry()->mutable_field());
     for (const SSL_GeometryCameraCalibration& camera : packet.geometry().calib()) {
       const Eigen::Vector3d place_mm(camera.derived_camera_world_tx(), camera.derived_camera_world_ty(),
@@ -125,7 +127,7 @@ std::optional<VisionMessage> VisionMessage::read(std::span<const std::byte> data
     }
   }
   if (packet.has_detection()) {
-    if (!is_sound(packet.detection())) return std::nullopt;
+    if (!is_valid(packet.detection())) return std::nullopt;
     out.detection = detection_of(packet.detection());
   }
   return out;

@@ -13,31 +13,31 @@
 
 namespace sslv {
 
-/// A validated packet of another vision: everything is finite and within geometry/limits.h. Only read() makes
-/// one, so code that takes a VisionMessage checks nothing again.
+/// A validated packet of another vision: all values are finite and within geometry/limits.h. Only read()
+/// creates messages, so users need no further checks.
 class VisionMessage {
  public:
-  /// Nothing for bytes that are no packet and for packets outside the limits. Unknown fields are ignored; a
-  /// packet with nothing else is an empty message.
+  /// Empty for invalid bytes and for packets outside the limits. Unknown fields are ignored; a packet with
+  /// only unknown fields is an empty message.
   static std::optional<VisionMessage> read(std::span<const std::byte> datagram);
 
   struct Camera {
     int id;
-    Eigen::Vector3d place_mm;  // where it hangs
+    Eigen::Vector3d place_mm;  // the camera's position
   };
   struct Detection {
-    ArrivedSightings arrived;  // with times of the other computer's clock (Unix s)
+    ArrivedSightings arrived;  // times by the other computer's clock (Unix s)
     double t_sent_s;
   };
-  std::optional<SSL_GeometryFieldSize> field;  // sizes alone, without lines and arcs
-  std::vector<Camera> cameras;                 // those that are calibrated
+  std::optional<SSL_GeometryFieldSize> field;  // sizes only, without lines and arcs
+  std::vector<Camera> cameras;                 // calibrated cameras only
   std::optional<Detection> detection;
 
  private:
   VisionMessage() = default;
 };
 
-/// A number that is set in a message; nothing for an absent field or one of another kind.
+/// The value of a numeric field; empty for an absent or non-numeric field.
 std::optional<double> number_of(const google::protobuf::Message& message,
                                 const google::protobuf::FieldDescriptor& field);
 

@@ -20,16 +20,16 @@ namespace sslv {
 /// The largest UDP payload of IPv4.
 inline constexpr std::size_t kMaxDatagramBytes = 65'507;
 
-/// Publishes the detections of one camera from the camera's own thread. Keeps its message and buffer, so a
-/// frame allocates nothing in steady state.
+/// Publishes the detections of one camera from the camera's own thread. Reuses its message and buffer, so
+/// that a frame allocates nothing in steady state.
 class DetectionSender {
  public:
   explicit DetectionSender(MulticastSender& out) : out_(out) { buffer_.reserve(kMaxDatagramBytes); }
 
-  /// Sends one packet, also when nothing was found, and returns its t_sent (Unix s). Never waits; a packet
-  /// that does not leave is counted by the MulticastSender.
+  /// Sends one packet, even without detections, and returns its t_sent (Unix s). Never waits; the
+  /// MulticastSender counts packets that could not be sent.
   double send(const FrameInfo& info, const RobotList& robots, const BallList& balls) noexcept;
-  /// The one that was sent last, if it was of this frame; empty: none was.
+  /// The last packet if it was sent for this frame, otherwise empty.
   std::span<const std::byte> packet_of(std::uint32_t frame_number) const {
     return frame_number == last_number_ ? last_packet_ : std::span<const std::byte>();
   }
@@ -42,14 +42,14 @@ class DetectionSender {
   std::uint32_t last_number_ = 0;
 };
 
-/// Publishes the geometry again and again from a thread of its own, so that teams get it without any camera.
+/// Publishes the geometry periodically from its own thread, so that teams receive it even without a camera.
 class GeometrySender {
  public:
-  /// Nothing is sent while `geometry` holds none. Both arguments must outlive this.
+  /// Sends nothing while `geometry` is null. Both references must outlive this object.
   GeometrySender(MulticastSender& out, const Snapshot<Geometry>& geometry,
                  std::chrono::duration<double> interval);
 
-  /// Sends at once and then at this interval: to be called after a change of the interval or the geometry.
+  /// Sends immediately and then at this interval. Call after a change of the interval or the geometry.
   void restart(std::chrono::duration<double> interval);
 
  private:
@@ -58,15 +58,15 @@ class GeometrySender {
 
   MulticastSender& out_;
   const Snapshot<Geometry>& geometry_;
-  SSL_WrapperPacket packet_;  // this and the buffer: of the thread alone
+  SSL_WrapperPacket packet_;  // like buffer_, used only by the thread
   std::vector<std::byte> buffer_;
 
-  std::mutex mutex_;  // guards all below
+  std::mutex mutex_;  // guards the following members
   std::condition_variable_any restarted_;
   std::chrono::duration<double> interval_;
   bool due_ = true;
 
-  std::jthread thread_;  // last, so that it ends before what it uses
+  std::jthread thread_;  // last: ends before the members it uses are destroyed
 };
 
 }  // namespace sslv

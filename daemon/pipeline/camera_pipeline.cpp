@@ -4,8 +4,8 @@
 namespace sslv {
 namespace {
 
-/// Empties what stages make but keeps its memory: what a changed stack makes no more must not be taken from
-/// the frame that lay in the slot before.
+/// Clears the stages' results but keeps their memory. Otherwise a part that a changed stack no longer writes
+/// would still hold the results of the slot's previous frame.
 void forget_results(Frame& frame) {
   frame.labels.width = frame.labels.height = 0;
   frame.runs.width = frame.runs.height = 0;
@@ -43,7 +43,7 @@ const Frame& CameraPipeline::process(Image image, const CaptureTimes& times,
   counters_.add(frame);
   if (current_) {
     finished_.put(current_);
-    ring_.give_back();  // at least the frame that it replaced, when nobody looks at it
+    ring_.give_back();  // gives back at least the replaced frame, unless a viewer holds it
   } else {
     frame.image = Image();
     counters_.add_unseen();
@@ -76,7 +76,7 @@ void CameraPipeline::FrameCounters::add(const Frame& frame) noexcept {
 }
 
 CameraPipeline::Counters CameraPipeline::FrameCounters::load() const {
-  // The flood's frame first: no later one than `frames` then.
+  // The flood's frame is read first, so it is no later than `frames`.
   const std::uint64_t flood_frame = flood_frame_.load(std::memory_order_acquire);
   const std::uint64_t frames = frames_.load(std::memory_order_relaxed);
   return {.frames = frames,

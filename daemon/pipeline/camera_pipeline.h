@@ -12,40 +12,40 @@
 
 namespace sslv {
 
-/// What a camera's frames are processed with, swapped as a whole between two frames.
+/// Everything a camera's frames are processed with; replaced as a whole between two frames.
 struct CameraSetup {
   std::shared_ptr<Pipeline> pipeline;
   Pipeline::Parameters parameters;
   CameraContext context;
-  std::uint32_t number = 0;  // of this camera's setups, in the order in which they came
+  std::uint32_t number = 0;  // counts this camera's setups
 };
 
-/// Is told of every frame by the camera's thread, with all that it is processed with. Must neither wait nor
+/// Called by the camera's thread for every frame, with the setup that processes it. Must neither wait nor
 /// allocate.
 class FrameObserver {
  public:
   virtual ~FrameObserver() = default;
-  /// Before the first stage.
+  /// Called before the first stage.
   virtual void frame_begins(const CameraSetup&) noexcept {}
-  /// After the last one. The frame's image and lists are valid during the call.
+  /// Called after the last stage. The frame's image and lists are valid during the call.
   virtual void frame_ends(const Frame&, const CameraSetup&) noexcept {}
 };
 
-/// One camera's way from image to published detections: numbers the frames, runs the stack, offers the
-/// finished frame to viewers. `process` and `give_back` are called by one thread, the camera's, which waits
-/// for no other; the rest is for any other thread.
+/// Turns one camera's images into published detections: numbers the frames, runs the stack, offers finished
+/// frames to viewers. Only the camera's thread calls `process` and `give_back`, and that thread waits for no
+/// other thread. The other functions are for other threads, unless they state otherwise.
 class CameraPipeline {
  public:
   struct Counters {
-    std::uint64_t frames = 0;             // processed
-    std::uint64_t capped = 0;             // of them flagged: a list hit its cap
-    std::uint64_t unseen = 0;             // of them not offered to viewers, who held all of the ring
+    std::uint64_t frames = 0;             // processed frames
+    std::uint64_t capped = 0;             // frames flagged because a list reached its cap
+    std::uint64_t unseen = 0;             // frames not offered to viewers, who held the whole ring
     std::uint32_t robots = 0, balls = 0;  // in the newest frame
-    Flood flood;                          // the newest one, and how many frames ago it was
+    Flood flood;                          // the newest flood, and the number of frames since then
     std::uint64_t frames_since_flood = 0;
   };
 
-  /// `sink` and `observer` must outlive this; null: there is no observer.
+  /// `sink` and `observer` must outlive this; `observer` may be null.
   CameraPipeline(std::uint32_t camera_id, DetectionSink& sink, CameraSetup setup,
                  FrameObserver* observer = nullptr);
 
@@ -53,31 +53,32 @@ class CameraPipeline {
   void change(CameraSetup setup) { setup_.store(std::move(setup)); }
   std::shared_ptr<const CameraSetup> setup() const { return setup_.load(); }
 
-  /// The next frame gets this number, those after it the following ones: for who processes recorded frames
-  /// again. Before process(), by the same thread.
+  /// Sets the number of the next frame; later frames count on from it. For processing recorded frames again.
+  /// Call before process(), on the same thread.
   void set_next_number(std::uint32_t number) { next_number_ = number; }
   /// Runs the stack on one image. The result is valid until the next call.
   const Frame& process(Image image, const CaptureTimes& times, const WholePicture& whole = {}) noexcept;
 
-  /// Finished frames, the newest only.
+  /// The newest finished frame.
   const LatestFrame& finished() const { return finished_; }
-  /// Gives the driver the buffers back of what viewers have let go of; for when no image comes to process.
-  /// True while viewers hold others.
+  /// Gives the buffers that viewers have released back to the driver; for times without new images. Returns
+  /// true while viewers hold other buffers.
   bool give_back() noexcept;
-  /// Lets go of the newest frame and wakes all who wait for one. Not while the camera's thread runs.
+  /// Releases the newest frame and wakes all threads that wait for one. Must not be called while the camera's
+  /// thread runs.
   void close();
 
   Counters counters() const { return counters_.load(); }
 
  private:
-  // The newest frame, the one being processed, and one each for a few viewers' tasks.
+  // Slots for the newest frame, the frame being processed, and one frame for each of a few viewers' tasks.
   static constexpr std::size_t kRingSlots = 8;
 
-  /// What counters() tells: added to by the camera's thread, read by any, without a lock.
+  /// Values of counters(): updated by the camera's thread, read by any, without a lock.
   class FrameCounters {
    public:
     void add(const Frame& frame) noexcept;
-    /// The last one was not offered to viewers.
+    /// Counts the last frame as not offered to viewers.
     void add_unseen() noexcept { unseen_.fetch_add(1, std::memory_order_relaxed); }
     Counters load() const;
 
@@ -94,7 +95,7 @@ class CameraPipeline {
   FrameObserver* const observer_;
   Handover<CameraSetup> setup_;
   FrameRing ring_{kRingSlots};
-  Frame spare_;  // used when viewers hold the whole ring: never offered
+  Frame spare_;  // used if viewers hold the whole ring; never offered to them
   FrameRef current_;
   LatestFrame finished_{ring_};
   std::uint32_t next_number_ = 0;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The stages of one camera: what they can be given besides the parts of its frame.
+// Inputs of the stages of one camera besides the parts of its frame.
 
 #include "pipeline/frame.h"
-#include "pipeline/senseless.h"
 #include "pipeline/stage.h"
+#include "pipeline/validate.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -15,32 +15,32 @@
 
 namespace sslv {
 
-/// Where finished detections go: the multicast socket of the daemon, a file of the command line.
+/// Destination of finished detections: the multicast socket of the daemon, a file of the command line.
 class DetectionSink {
  public:
   virtual ~DetectionSink() = default;
-  /// Called from the camera's thread, once a frame, also when nothing was found. Must not block.
+  /// Called from the camera's thread, once per frame, even if nothing was found. Must not block.
   virtual void publish(const FrameInfo& info, const Scene& scene, const RobotList& robots,
                        const BallList& balls) noexcept = 0;
-  /// Likewise, before and after each stage: its place in the table of stages, and when it begins by
-  /// steady_ns(), or its time.
+  /// Called from the camera's thread before and after each stage, with the stage's index in the stage table
+  /// and its start (steady_ns()) or duration (ns).
   virtual void stage_begins(std::size_t, std::int64_t) noexcept {}
   virtual void stage_took(std::size_t, std::int64_t) noexcept {}
-  /// Likewise, when something that the stage made was left out.
-  virtual void left_out(std::size_t, const Senseless&) noexcept {}
+  /// Called from the camera's thread if some of a stage's results were dropped.
+  virtual void left_out(std::size_t, const InvalidCounts&) noexcept {}
 };
 
-/// Lets nothing out that makes no sense, also where a stage publishes lists of its own.
+/// Validates everything that is published, including a stage's own lists.
 class DetectionGuard final : public DetectionSink {
  public:
-  /// For the next frame, with what the camera said of it.
+  /// Begins the next frame; `info` is the camera's data of this frame.
   void begin(DetectionSink& out, const FrameInfo& info) {
     out_ = &out;
     info_ = info;
   }
   const FrameInfo& info() const { return info_; }
-  /// What was left out since the last call.
-  Senseless take_left_out() noexcept { return std::exchange(left_out_, {}); }
+  /// Counts of the results dropped since the last call.
+  InvalidCounts take_left_out() noexcept { return std::exchange(left_out_, {}); }
 
   void publish(const FrameInfo& info, const Scene& scene, const RobotList& robots,
                const BallList& balls) noexcept override;
@@ -48,8 +48,8 @@ class DetectionGuard final : public DetectionSink {
  private:
   DetectionSink* out_ = nullptr;
   FrameInfo info_;
-  Senseless left_out_;
-  RobotList robots_;  // where some had to go
+  InvalidCounts left_out_;
+  RobotList robots_;  // used only if some results are dropped
   BallList balls_;
 };
 
@@ -70,7 +70,7 @@ struct CameraFloor {
     void stage_begins(std::size_t stage, std::int64_t now_ns) const noexcept {
       sink.stage_begins(stage, now_ns);
     }
-    void left_out(std::size_t stage, const Senseless& what) const noexcept { sink.left_out(stage, what); }
+    void left_out(std::size_t stage, const InvalidCounts& what) const noexcept { sink.left_out(stage, what); }
     void stage_took(std::size_t stage, std::int64_t duration_ns) const noexcept {
       sink.stage_took(stage, duration_ns);
     }
@@ -94,7 +94,7 @@ struct CameraFloor {
     guard.begin(in.sink, in.frame.info);
     return {in.frame, in.context, guard};
   }
-  static Senseless drop_senseless(const Inputs& in, const PartSet& changed, const Guard& guard) noexcept;
+  static InvalidCounts drop_invalid(const Inputs& in, const PartSet& changed, const Guard& guard) noexcept;
 };
 
 using StageType = BasicStageType<CameraFloor>;

@@ -15,8 +15,8 @@
 
 namespace sslv {
 
-/// One, used again for every image: lists keep their capacity, and what is learnt stays. Parts are told apart
-/// by their type.
+/// A single FieldFrame is reused for every image: lists keep their capacity, and learnt values are kept.
+/// Parts are identified by their type.
 struct FieldFrame {
   ArrivedSightings arrived;
   CameraSightings sightings;
@@ -25,7 +25,7 @@ struct FieldFrame {
   Observations observations;
   CameraAgreement agreement;
   TrackedField tracked;
-  OwnParts own_parts;                  // what stage libraries brought
+  OwnParts own_parts;                  // parts of stage libraries
   std::vector<std::int64_t> stage_ns;  // time each stage of the stack took, written by the pipeline
 };
 

@@ -2,7 +2,7 @@
 #include "pipeline/field_intake.h"
 
 #include "base/clock.h"
-#include "pipeline/senseless.h"
+#include "pipeline/validate.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +10,8 @@
 namespace sslv {
 namespace {
 
-/// How well the radius of a ball says its height, at best: edges of images are not as sharp as the fit takes
-/// them for.
+/// Minimum relative uncertainty of a ball's radius, from which the ball's height is estimated: edges in
+/// images are less sharp than the fit assumes.
 constexpr double kRadiusSigmaShare = 0.02;
 
 Eigen::Matrix2d matrix_of(const PlaceCov& cov) {
@@ -32,7 +32,7 @@ BallSighting sighting_of(const Ball& ball, double ball_radius_mm, double camera_
   return out;
 }
 
-/// The lists keep their memory.
+/// Writes an image's detections to `out`. The lists of `out` keep their memory.
 void write_sightings(const FrameInfo& info, const Scene& scene, const RobotList& robots,
                      const BallList& balls, CameraSightings& out) noexcept {
   out.camera = static_cast<int>(info.camera_id);
@@ -86,7 +86,7 @@ void SightingsQueue::hand_over(const FrameInfo& info, const Scene& scene, const 
   ArrivedSightings* const slot = begin();
   if (!slot) return;
   write_sightings(info, scene, robots, balls, slot->image);
-  const Senseless dropped = drop_senseless(slot->image);
+  const InvalidCounts dropped = drop_invalid(slot->image);
   slot->left_out = dropped.robots + dropped.balls;
   end(*slot);
 }
@@ -110,7 +110,7 @@ std::shared_ptr<SightingsQueue> FieldIntake::add() {
 void FieldIntake::drop_unused() {
   const std::lock_guard lock(mutex_);
   Queues queues = *queues_.load();
-  // One hold is that of the list in effect, one that of this copy.
+  // The current list holds one reference, this copy holds another one.
   constexpr long kOurs = 2;
   const auto is_unused = [&](const auto& queue) { return queue.use_count() <= kOurs; };
   if (std::none_of(queues.begin(), queues.end(), is_unused)) return;

@@ -19,17 +19,17 @@
 
 namespace sslv {
 
-/// One camera's way to the field, or that of all cameras of other computers: lists of what was seen, handed
-/// over without waiting. What the field does not take in time is lost, and counted.
+/// Passes measurements of one camera, or of all cameras of other computers, to the field's thread without
+/// waiting. Images that the field does not read in time are lost and counted.
 class SightingsQueue {
  public:
   explicit SightingsQueue(std::shared_ptr<Bell> bell);
 
-  /// What a camera of this computer found in an image; nothing of one without a calibration. For the
-  /// camera's thread: takes no lock and no memory.
+  /// Adds the detections of an image of a camera of this computer; ignored if the camera is not calibrated.
+  /// For the camera's thread: takes no lock and allocates nothing.
   void hand_over(const FrameInfo& info, const Scene& scene, const RobotList& robots,
                  const BallList& balls) noexcept;
-  /// An image of another computer's camera, validated. For the thread that listens.
+  /// Adds a validated image of another computer's camera. For the receiving thread.
   void hand_over(const ArrivedSightings& heard) noexcept;
 
   std::uint64_t lost() const { return lost_.load(std::memory_order_relaxed); }
@@ -42,27 +42,27 @@ class SightingsQueue {
   ArrivedSightings* begin() noexcept;
   void end(ArrivedSightings& slot) noexcept;
 
-  // At 100 images a second, more than a tenth of a second.
+  // Enough for more than 0.1 s at 100 images a second.
   static constexpr std::size_t kSlots = 16;
   SlotQueue<ArrivedSightings, kSlots> queue_;
   std::atomic<std::uint64_t> lost_{0};
   const std::shared_ptr<Bell> bell_;
 };
 
-/// All cameras' ways to the field.
+/// The queues of all cameras to the field's thread.
 class FieldIntake {
  public:
   using Queues = std::vector<std::shared_ptr<SightingsQueue>>;
 
-  /// Another one, which lasts as long as anybody but the intake holds it.
+  /// Adds a queue. The queue is kept as long as anything except the intake holds it.
   std::shared_ptr<SightingsQueue> add();
-  /// Lets go of those that nobody else holds any more. Called once a second.
+  /// Removes the queues that only the intake still holds. Called once a second.
   void drop_unused();
-  /// What all queues have lost.
+  /// Images lost by all queues.
   std::uint64_t lost() const;
 
   // For the field's thread.
-  /// Calls `use` with what came first, of all that has come; false when nothing has.
+  /// Calls `use` with the queued image that was captured first; returns false if all queues are empty.
   template <class Use>
   bool take(const Use& use) {
     const auto queues = queues_.use();
@@ -86,8 +86,8 @@ class FieldIntake {
 
  private:
   const std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();
-  mutable std::mutex mutex_;       // of those that add and drop; never of a camera's thread or the field's
-  std::uint64_t lost_before_ = 0;  // by those that are gone
+  mutable std::mutex mutex_;  // for adding and removing; not locked by cameras' threads or the field's thread
+  std::uint64_t lost_before_ = 0;  // images lost by removed queues
   Handover<Queues> queues_{Queues{}};
 };
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The stages of the whole field: what they can be given besides the parts of its frame.
+// Inputs of the stages of the whole field besides the parts of its frame.
 
 #include "geometry/field.h"
 #include "pipeline/field_frame.h"
-#include "pipeline/senseless.h"
 #include "pipeline/stage.h"
+#include "pipeline/validate.h"
 #include "tracking/ball_motion.h"
 #include "tracking/field_clock.h"
 
@@ -18,33 +18,33 @@
 
 namespace sslv {
 
-/// Where tracks go: the multicast socket of the daemon and its panel.
+/// Destination of tracks: the multicast socket of the daemon and its panel.
 class FieldSink {
  public:
   virtual ~FieldSink() = default;
   /// Called from the field's thread, once for every image of every camera. Must not block.
   virtual void publish(const TrackedField& tracked) noexcept = 0;
-  /// Likewise, before and after each stage: its place in the table of stages, and when it begins by
-  /// steady_ns(), or its time.
+  /// Called from the field's thread before and after each stage, with the stage's index in the stage table
+  /// and its start (steady_ns()) or duration (ns).
   virtual void stage_begins(std::size_t, std::int64_t) noexcept {}
   virtual void stage_took(std::size_t, std::int64_t) noexcept {}
-  /// Likewise, when something that the stage made was left out.
-  virtual void left_out(std::size_t, const Senseless&) noexcept {}
+  /// Called from the field's thread if some of a stage's results were dropped.
+  virtual void left_out(std::size_t, const InvalidCounts&) noexcept {}
 };
 
-/// Lets nothing out that makes no sense, also where a stage publishes tracks of its own.
+/// Validates everything that is published, including a stage's own tracks.
 class FieldGuard final : public FieldSink {
  public:
   void begin(FieldSink& out) { out_ = &out; }
-  /// What was left out since the last call.
-  Senseless take_left_out() noexcept { return std::exchange(left_out_, {}); }
+  /// Counts of the results dropped since the last call.
+  InvalidCounts take_left_out() noexcept { return std::exchange(left_out_, {}); }
 
   void publish(const TrackedField& tracked) noexcept override;
 
  private:
   FieldSink* out_ = nullptr;
-  Senseless left_out_;
-  TrackedField tracked_;  // where something had to go
+  InvalidCounts left_out_;
+  TrackedField tracked_;  // used only if something is dropped
 };
 
 struct FieldFloor {
@@ -67,7 +67,7 @@ struct FieldFloor {
     void stage_begins(std::size_t stage, std::int64_t now_ns) const noexcept {
       sink.stage_begins(stage, now_ns);
     }
-    void left_out(std::size_t stage, const Senseless& what) const noexcept { sink.left_out(stage, what); }
+    void left_out(std::size_t stage, const InvalidCounts& what) const noexcept { sink.left_out(stage, what); }
     void stage_took(std::size_t stage, std::int64_t duration_ns) const noexcept {
       sink.stage_took(stage, duration_ns);
     }
@@ -84,7 +84,7 @@ struct FieldFloor {
     guard.begin(in.sink);
     return {in.frame, in.field, in.ball, in.clock, guard};
   }
-  static Senseless drop_senseless(const Inputs& in, const PartSet& changed, const Guard& guard) noexcept;
+  static InvalidCounts drop_invalid(const Inputs& in, const PartSet& changed, const Guard& guard) noexcept;
 };
 
 using FieldStageType = BasicStageType<FieldFloor>;
@@ -101,6 +101,7 @@ class PublishField {
   struct Params {
     static constexpr auto fields() { return std::tuple{}; }
   };
+  /// Calls sink.publish(tracked).
   void process(const Params&, const TrackedField& tracked, FieldSink& sink) noexcept {
     sink.publish(tracked);
   }

@@ -20,7 +20,7 @@
 
 namespace sslv {
 
-/// One per slot of a camera's ring, reused: lists keep their capacity. Parts are told apart by their type.
+/// One per slot of a camera's ring, reused: lists keep their capacity. Parts are identified by their type.
 struct Frame {
   FrameInfo info;
   Image image;
@@ -29,24 +29,23 @@ struct Frame {
   RegionList regions;
   RobotList robots;
   BallList balls;
-  OwnParts own_parts;                  // what stage libraries brought
+  OwnParts own_parts;                  // parts of stage libraries
   std::vector<std::int64_t> stage_ns;  // time each stage of the stack took, written by the pipeline
 };
 
-/// What the admin has set up for one camera, swapped as a whole between frames.
+/// Configuration of one camera, replaced as a whole between frames.
 struct CameraContext {
   std::shared_ptr<const Scene> scene;
-  std::shared_ptr<const Lut> adapted_lut;  // for the current light
+  std::shared_ptr<const Lut> adapted_lut;  // table adapted to the current light
   std::shared_ptr<const Mask> mask;        // as the admin drew it
   std::shared_ptr<const PatternTable> patterns;
   std::shared_ptr<const Lut>
-      accepted_lut{};  // what `adapted_lut` was made from; the same when the light has not changed
+      accepted_lut{};  // source of `adapted_lut`; the same table if the light has not changed
   std::shared_ptr<const LabelSet> labels{};
-  std::shared_ptr<const FieldView> field_view{};  // null: not calibrated, or all of the image is looked at
-  std::shared_ptr<const Mask> stage_mask{};       // `mask` and `field_view`; null: `mask`
+  std::shared_ptr<const FieldView> field_view{};  // null: not calibrated, or the whole image is searched
+  std::shared_ptr<const Mask> stage_mask{};       // `mask` and `field_view` combined; null: same as `mask`
 
-  /// What stages look at. Learning, margins and exposure look at all that the admin leaves: a calibration
-  /// may be wrong.
+  /// Mask for stages. Learning, margins and exposure use `mask` instead, because a calibration may be wrong.
   const Mask& looked_at() const { return stage_mask ? *stage_mask : *mask; }
 };
 

@@ -11,9 +11,8 @@
 
 namespace sslv {
 
-/// A shared hold on one frame of a ring. Copying and dropping counts, nothing else, in whatever thread: what
-/// becomes of a frame that nobody holds any more is the ring's work. The frame is read-only once it has been
-/// shared.
+/// Reference-counted handle of one frame of a ring. Copying and releasing only change the count, on any
+/// thread; the ring reuses frames that nobody holds. A frame is read-only once it has been shared.
 class FrameRef {
  public:
   FrameRef() = default;
@@ -41,16 +40,16 @@ class FrameRef {
   struct Slot {
     Frame frame;
     std::atomic<int> holds{0};  // 0: only the ring's own thread may touch the slot
-    std::size_t place = 0;      // in the ring
+    std::size_t place = 0;      // index in the ring
   };
   explicit FrameRef(Slot* held) : slot_(held) {}
   Slot* slot_ = nullptr;
 };
 
-/// Preallocated frames of one camera. Must outlive its FrameRefs. One thread uses it, the camera's.
+/// Preallocated frames of one camera. Must outlive its FrameRefs. Only the camera's thread uses it.
 ///
-/// Giving an image's buffer back to its driver takes locks of the driver, which the camera's thread needs
-/// for its next image. So it is that thread which gives them back, never a viewer's.
+/// Giving an image's buffer back takes locks of the driver, which the camera's thread needs for its next
+/// image. So only the camera's thread gives buffers back, never a viewer's thread.
 class FrameRing {
  public:
   explicit FrameRing(std::size_t slots) {
@@ -60,7 +59,7 @@ class FrameRing {
     }
   }
 
-  /// A free frame, its lists still holding what they held before; empty when viewers hold all of them.
+  /// A free frame whose lists still have their old content; empty if viewers hold all frames.
   FrameRef acquire() {
     for (std::size_t tried = 0; tried < slots_.size(); ++tried) {
       next_ = (next_ + 1) % slots_.size();
@@ -73,8 +72,7 @@ class FrameRing {
     return {};
   }
 
-  /// Gives the drivers the buffers back of all frames that nobody holds any more. Returns how many frames are
-  /// held.
+  /// Gives the buffers of all frames that nobody holds back to the driver. Returns the number of held frames.
   std::size_t give_back() {
     std::size_t held = 0;
     for (const auto& slot : slots_) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands between the stages and where results leave.
+// Validation between the stages and before results leave.
 #include "pipeline/camera_stage.h"
 #include "pipeline/field_stage.h"
 
@@ -14,32 +14,32 @@ namespace sslv {
 namespace {
 
 template <class Floor, class T, class Frame>
-void drop_from(Frame& frame, T Frame::*member, const PartSet& changed, Senseless& out) noexcept {
-  if (changed[part_index<Floor, T>()]) out += drop_senseless(frame.*member);
+void drop_from(Frame& frame, T Frame::*member, const PartSet& changed, InvalidCounts& out) noexcept {
+  if (changed[part_index<Floor, T>()]) out += drop_invalid(frame.*member);
 }
 
 template <class T>
 bool all_make_sense(const std::vector<T>& list, std::size_t most) noexcept {
-  return list.size() <= most && std::ranges::all_of(list, [](const T& one) { return makes_sense(one); });
+  return list.size() <= most && std::ranges::all_of(list, [](const T& one) { return is_valid(one); });
 }
 
-/// Says how many it leaves out.
+/// Copies the valid elements, at most `most`. Returns the number of elements left out.
 template <class T>
 std::uint64_t copy_sense(const std::vector<T>& from, std::size_t most, std::vector<T>& to) noexcept {
   to.clear();
   for (const T& one : from) {
-    if (to.size() < most && makes_sense(one)) to.push_back(one);
+    if (to.size() < most && is_valid(one)) to.push_back(one);
   }
   return from.size() - to.size();
 }
 
 }  // namespace
 
-// What the frame has was looked at already, but a stage may publish what it does not hand on.
+// The frame's results are validated already, but a stage may publish other results.
 
 void DetectionGuard::publish(const FrameInfo& info, const Scene& scene, const RobotList& robots,
                              const BallList& balls) noexcept {
-  if (!makes_sense(info, info_)) {
+  if (!is_valid(info, info_)) {
     left_out_ += {robots.robots.size(), balls.balls.size(), 1};
   } else if (all_make_sense(robots.robots, limits::kMaxRobots) &&
              all_make_sense(balls.balls, limits::kMaxBalls)) {
@@ -52,7 +52,7 @@ void DetectionGuard::publish(const FrameInfo& info, const Scene& scene, const Ro
 }
 
 void FieldGuard::publish(const TrackedField& tracked) noexcept {
-  const bool has_sound_kick = !tracked.kick || makes_sense(*tracked.kick);
+  const bool has_sound_kick = !tracked.kick || is_valid(*tracked.kick);
   if (!(tracked.t_s > 0) || !std::isfinite(tracked.t_s)) {
     left_out_ += {tracked.robots.size(), tracked.balls.size(), 1};
   } else if (has_sound_kick && all_make_sense(tracked.robots, limits::kMaxRobots) &&
@@ -69,21 +69,21 @@ void FieldGuard::publish(const TrackedField& tracked) noexcept {
   }
 }
 
-Senseless CameraFloor::drop_senseless(const Inputs& in, const PartSet& changed, const Guard& guard) noexcept {
-  Senseless out;
+InvalidCounts CameraFloor::drop_invalid(const Inputs& in, const PartSet& changed,
+                                        const Guard& guard) noexcept {
+  InvalidCounts out;
   drop_from<CameraFloor>(in.frame, &Frame::robots, changed, out);
   drop_from<CameraFloor>(in.frame, &Frame::balls, changed, out);
-  if (changed[part_index<CameraFloor, FrameInfo>()] && !makes_sense(in.frame.info, guard.info())) {
+  if (changed[part_index<CameraFloor, FrameInfo>()] && !is_valid(in.frame.info, guard.info())) {
     in.frame.info = guard.info();
     ++out.others;
   }
   return out;
 }
 
-Senseless FieldFloor::drop_senseless(const Inputs& in, const PartSet& changed, const Guard&) noexcept {
-  Senseless out;
-  if (changed[part_index<FieldFloor, ArrivedSightings>()])
-    out += sslv::drop_senseless(in.frame.arrived.image);
+InvalidCounts FieldFloor::drop_invalid(const Inputs& in, const PartSet& changed, const Guard&) noexcept {
+  InvalidCounts out;
+  if (changed[part_index<FieldFloor, ArrivedSightings>()]) out += sslv::drop_invalid(in.frame.arrived.image);
   drop_from<FieldFloor>(in.frame, &FieldFrame::sightings, changed, out);
   drop_from<FieldFloor>(in.frame, &FieldFrame::time, changed, out);
   drop_from<FieldFloor>(in.frame, &FieldFrame::observations, changed, out);

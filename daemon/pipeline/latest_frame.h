@@ -12,9 +12,9 @@
 
 namespace sslv {
 
-/// A one-place mailbox for the finished frames of one ring: a newer one replaces an unread one. Every reader
-/// keeps its own place by the version it saw last, so several may read the same frame. The camera's thread
-/// puts them there and waits for nobody: no reader, wherever it is interrupted, holds anything but a frame.
+/// Mailbox for the newest finished frame of one ring: a newer frame replaces an unread one. Each reader
+/// remembers the version it saw last, so several readers can read the same frame. The camera's thread stores
+/// frames without waiting, because a reader, even if it is interrupted, holds no lock but only a frame.
 class LatestFrame {
  public:
   struct Versioned {
@@ -22,28 +22,28 @@ class LatestFrame {
     FrameRef value;
   };
 
-  /// `ring` must outlive this, and has no more than 256 slots.
+  /// `ring` must outlive this and have at most 256 slots.
   explicit LatestFrame(const FrameRing& ring) : ring_(ring) {}
   ~LatestFrame() { close(); }
   LatestFrame(const LatestFrame&) = delete;
   LatestFrame& operator=(const LatestFrame&) = delete;
 
-  /// `frame` is of the ring and not empty. For the camera's thread.
+  /// Stores `frame`, which must belong to the ring and not be empty. For the camera's thread.
   void put(FrameRef frame) noexcept {
     std::uint64_t before = newest_.load(std::memory_order_relaxed);
     if (before == kClosed) return;
     const std::uint64_t after = (++version_ << kPlaceBits) | frame.slot_->place;
-    // Only close() may come between.
+    // Only close() can intervene.
     if (!newest_.compare_exchange_strong(before, after)) return;
-    frame.slot_ = nullptr;  // its hold is the mailbox's now
+    frame.slot_ = nullptr;  // the hold belongs to the mailbox now
     let_go(before);
     changed_.ring();
   }
 
-  /// The present frame if there is one.
+  /// The newest frame, if there is one.
   std::optional<Versioned> peek() const { return newer_than(0); }
 
-  /// Waits for a version newer than `seen` (0: any). Nothing on timeout or after close().
+  /// Waits for a version newer than `seen` (0: any). Returns nothing on timeout or after close().
   std::optional<Versioned> wait_newer(std::uint64_t seen, std::chrono::milliseconds timeout) const {
     const auto until = std::chrono::steady_clock::now() + timeout;
     for (;;) {
@@ -54,7 +54,8 @@ class LatestFrame {
     }
   }
 
-  /// Wakes all readers for good and lets go of the frame, and at once of every later one.
+  /// Wakes all readers; no reader waits afterwards. Releases the stored frame; frames stored later are
+  /// released at once.
   void close() noexcept {
     let_go(newest_.exchange(kClosed));
     changed_.ring();
@@ -66,7 +67,7 @@ class LatestFrame {
 
   FrameRef::Slot& slot_in(std::uint64_t word) const { return *ring_.slots_[word & ((1U << kPlaceBits) - 1)]; }
 
-  /// Of the mailbox's own hold.
+  /// Releases the mailbox's own hold.
   void let_go(std::uint64_t word) const {
     if (word != kNothing && word != kClosed) FrameRef(&slot_in(word)).reset();
   }
@@ -81,14 +82,14 @@ class LatestFrame {
       }
       if (held == 0) continue;  // replaced meanwhile, and free again
       FrameRef frame(&slot_in(word));
-      // Not replaced when it was held: it is still the mailbox's, so it was that frame all the time.
+      // `word` is still the newest frame, so the slot was not replaced before it was held.
       if (newest_.load() == word) return Versioned{word >> kPlaceBits, std::move(frame)};
     }
   }
 
   const FrameRing& ring_;
-  std::uint64_t version_ = 0;                    // of the camera's thread
-  std::atomic<std::uint64_t> newest_{kNothing};  // version and the slot's place, of which one hold is ours
+  std::uint64_t version_ = 0;                    // used by the camera's thread only
+  std::atomic<std::uint64_t> newest_{kNothing};  // version and slot index; the mailbox holds this slot
   Bell changed_;
 };
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What a type looks like in memory, as a number: two programs that were built apart may share objects of a
-// type only when both have the same. A struct without constructors is known by its members, all the way down;
-// a class that hides them by its size alone (what its members mean is kKitVersion's, kit/stamp.h).
+// Hash of a type's layout in memory. Programs that were built separately may share objects of a type only if
+// both have the same hash. It covers the members of a struct without constructors, recursively, but only the
+// size and alignment of a class that hides its members (kKitVersion, kit/stamp.h, covers their meaning).
 
 #include <array>
 #include <cstddef>
@@ -17,10 +17,10 @@
 
 namespace sslv {
 
-/// Converts to whatever a member is.
+/// Converts to the type of any member.
 struct AnyMember {
   template <class T>
-  operator T() const;  // NOLINT(google-explicit-constructor): that is what it is for
+  operator T() const;  // NOLINT(google-explicit-constructor): implicit on purpose
 };
 
 template <class T, std::size_t... kI>
@@ -32,7 +32,7 @@ constexpr bool takes_members(std::index_sequence<kI...>) {
 
 inline constexpr std::size_t kMaxMembers = 20;
 
-/// Of a struct without constructors and bases.
+/// Number of members of a struct without constructors and bases.
 template <class T, std::size_t kCount = kMaxMembers>
 constexpr std::size_t member_count() {
   if constexpr (kCount == 0 || takes_members<T>(std::make_index_sequence<kCount>())) {
@@ -79,7 +79,7 @@ constexpr std::uint64_t mix_layout(std::uint64_t hash, std::uint64_t value) {
   return hash;
 }
 
-/// What stands for a type whose members are not looked at.
+/// Kind of a type, part of its hash.
 enum class LayoutKind : std::uint8_t {
   kOpaque,
   kSigned,

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Parts of the frame that stage libraries bring: what one stage finds and another one reads.
+// Parts of the frame that stage libraries define: one stage writes them, another one reads them.
 //
 //   struct TagList {
 //     static constexpr std::string_view kPartName = "tags";
 //     std::vector<Tag> tags;
-//     void clear() { tags.clear(); }  // for the next frame; keeps its memory
+//     void clear() { tags.clear(); }  // for the next frame; the part keeps its memory
 //   };
 //
-// Libraries share a part when it has the same name and the same layout in both.
+// Libraries share a part if it has the same name and the same layout in both.
 
 #include "pipeline/layout.h"
 #include "pipeline/part_codec.h"
@@ -32,24 +32,24 @@ concept OwnPart = std::default_initializable<std::remove_const_t<T>> &&
   part.clear();
 };
 
-/// What can be done with a part whose type is erased.
+/// Operations on a type-erased part.
 struct OwnPartCode {
   std::shared_ptr<void> (*create)() = nullptr;
   void (*clear)(void* part) = nullptr;
-  /// As flat bytes and back (part_codec.h). Null: it has what cannot go to another process.
+  /// Conversion to flat bytes and back (part_codec.h). Null: the part cannot be sent to another process.
   void (*encode)(const void* part, ByteWriter& to) = nullptr;
   bool (*decode)(ByteReader& from, void* part) = nullptr;
-  bool is_flat = false;  // it is a FlatPart
+  bool is_flat = false;  // the part is a FlatPart
 };
 
-/// A part that a library brings, with its type erased.
+/// Type-erased description of a library's part.
 struct OwnPartType {
   std::string name;
   std::uint64_t layout = 0;
   OwnPartCode code;
 };
 
-/// A part of a library whose code runs elsewhere: the bytes that it is sent as, which nobody here reads.
+/// A part of a library that runs in another process: its encoded bytes, which this process never interprets.
 struct FlatPart {
   std::vector<std::byte> bytes;
 
@@ -71,20 +71,20 @@ struct FlatPart {
   }
 };
 
-/// What a stage has to do with such a part. `place` is a number of the library's own that who takes its
-/// stages into a table writes: where the part lies in every frame.
+/// How a stage uses a library's part. `place` points to a variable of the library, written by the loader: the
+/// part's index in every frame.
 struct OwnPartUse {
   OwnPartType type;
-  bool is_written = false;  // from scratch; else it needs it
-  bool is_updated = false;  // it needs it and changes it
+  bool is_written = false;  // the stage writes it from scratch; else it reads it
+  bool is_updated = false;  // the stage reads it and changes it
   std::size_t* place = nullptr;
 };
 
-/// The parts of one frame that libraries brought: none where no stage has any.
+/// The libraries' parts of one frame; empty if no stage has any.
 class OwnParts {
  public:
-  /// The place of T in this library. Hidden however the library is built: the loader would give two libraries
-  /// that both have a T of their own the same place.
+  /// Index of T, for this library. Hidden regardless of the library's build options: the dynamic loader would
+  /// otherwise merge the variables of two libraries that each have a T of their own.
   template <class T>
   [[gnu::visibility("hidden")]] inline static std::size_t place_of = 0;
 
@@ -93,11 +93,12 @@ class OwnParts {
     return *static_cast<T*>(parts_[place_of<T>].part.get());
   }
   void* at(std::size_t place) const { return parts_[place].part.get(); }
-  /// What can be done with it: as who made it knows it.
+  /// Operations on the part, from its creator.
   const OwnPartCode& code_at(std::size_t place) const { return parts_[place].code; }
 
-  /// Makes the part unless it is there, and empties it. Allocates only the first time. Where one library runs
-  /// here and another one that shares the part elsewhere, it is as the first knows it.
+  /// Creates the part unless it exists, and clears it. Allocates only the first time. If a library in this
+  /// process shares the part with a library in another process, the part has the type of the library in this
+  /// process.
   void prepare(std::size_t place, const OwnPartType& type) {
     if (parts_.size() <= place) parts_.resize(place + 1);
     Kept& kept = parts_[place];

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Parts of a frame as flat bytes and back, for a stage that runs in a process of its own. Both ends are the
-// same program on the same computer, so the bytes are no format that is kept; but who reads them does not
-// trust who wrote them: every count is limited by the bytes that are there.
+// Converts parts of a frame to flat bytes and back, for stages that run in a separate process. Both ends are
+// the same program on the same computer, so the bytes are not a file format. The reader does not trust the
+// writer: every count is limited by the bytes that are left.
 //
-// What can be written: numbers, bools, enums, structs without constructors, std::vector, array, optional,
-// pair, string and bitset, Eigen matrices of fixed size, and all of them nested. A class that hides its
+// Supported types: numbers, bools, enums, structs without constructors, std::vector, array, optional, pair,
+// string and bitset, Eigen matrices of fixed size, and any nesting of these types. A class that hides its
 // members has either
 //
 //   template <class Self> static auto stored(Self& self) { return std::tie(self.a_, self.b_); }
 //
-// or `void encode(ByteWriter&) const` and `bool decode(ByteReader&)` of its own. An enum whose values index
-// something has `constexpr E largest(E)` beside it: others are refused.
+// or `void encode(ByteWriter&) const` and `bool decode(ByteReader&)` of its own. An enum whose values are
+// used as indices has `constexpr E largest(E)` beside it: larger values are refused.
 
 #include "pipeline/layout.h"
 
@@ -33,7 +33,7 @@
 
 namespace sslv {
 
-/// Writes into memory that is there. What finds no room is left out, and fits() says so.
+/// Writes into given memory. Data that does not fit is dropped, and then fits() is false.
 class ByteWriter {
  public:
   explicit ByteWriter(std::span<std::byte> room) : at_(room.data()), begin_(at_), end_(at_ + room.size()) {}
@@ -51,7 +51,7 @@ class ByteWriter {
     bytes(&wide, sizeof wide);
   }
 
-  /// What `write` writes, with the count of its bytes before it: as a whole that who reads it need not know.
+  /// Writes the output of `write` after its size in bytes, so that a reader can skip it.
   template <class Write>
   void whole(Write write) {
     std::byte* const at = at_;
@@ -70,22 +70,23 @@ class ByteWriter {
   bool fits_ = true;
 };
 
-/// Reads what a ByteWriter wrote, perhaps one that means harm. The memory may change meanwhile: nothing is
-/// read twice.
+/// Reads the output of a ByteWriter, possibly from a hostile process. The memory may change while it is read,
+/// so nothing is read twice.
 class ByteReader {
  public:
-  /// `refuses_nan`: a number that is none makes the whole unreadable.
+  /// `refuses_nan`: decoding fails at a NaN.
   explicit ByteReader(std::span<const std::byte> from, bool refuses_nan = false)
       : at_(from.data()), end_(at_ + from.size()), refuses_nan_(refuses_nan) {}
 
-  /// False when there are not so many.
+  /// Returns false if fewer bytes are left.
   bool bytes(void* to, std::size_t count) noexcept {
     if (count > left()) return false;
     if (count != 0) std::memcpy(to, at_, count);
     at_ += count;
     return true;
   }
-  /// Of things that take at least `least_bytes` each; false when there cannot be so many.
+  /// Reads a count of elements of at least `least_bytes` each; returns false if the remaining bytes are too
+  /// few for this count.
   bool count(std::size_t& value, std::size_t least_bytes) noexcept {
     std::uint64_t wide = 0;
     if (!bytes(&wide, sizeof wide) || wide > left() / std::max<std::size_t>(least_bytes, 1)) return false;
@@ -93,7 +94,7 @@ class ByteReader {
     return true;
   }
 
-  /// What ByteWriter::whole() wrote; nothing when it is not all there.
+  /// Reader of the output of ByteWriter::whole(); nothing if this output is incomplete.
   std::optional<ByteReader> whole() noexcept {
     std::size_t bytes = 0;
     if (!count(bytes, 1)) return std::nullopt;
@@ -130,8 +131,8 @@ concept EigenMatrix = requires(T& value) {
   value.data();
 };
 
-/// How one type is written and read. kIs: whether it can be. kAnyBits: every pattern of bits is a value, so
-/// that many are copied at once. kLeast: the fewest bytes that one takes.
+/// Codec of one type. kIs: whether the type is supported. kAnyBits: every bit pattern is valid, so that
+/// arrays are copied at once. kLeast: the minimum number of bytes of an encoded value.
 template <class T>
 struct PartCodec {
   static constexpr bool is_struct() { return std::is_aggregate_v<T> && std::is_class_v<T>; }
@@ -147,7 +148,7 @@ struct PartCodec {
     else
       return members_of(value);
   }
-  /// use.operator()<M>() for the type of each member; the sum of what it returns.
+  /// Sum of the results of `use` for the types of all members.
   template <class Use>
   static constexpr std::size_t sum(Use use) {
     return [&]<class... M>(std::type_identity<std::tuple<M...>>) {
@@ -348,7 +349,7 @@ struct PartCodec<std::bitset<kBits>> {
   static bool decode(ByteReader& from, std::bitset<kBits>& value) { return from.bytes(&value, sizeof value); }
 };
 
-/// Whether a T can go to another process.
+/// Whether a T can be sent to another process.
 template <class T>
 inline constexpr bool kIsEncodable = PartCodec<T>::kIs;
 
@@ -356,7 +357,7 @@ template <class T>
 void encode(const T& value, ByteWriter& to) {
   PartCodec<T>::encode(value, to);
 }
-/// False for bytes that are no T; the value is anything then.
+/// Returns false if the bytes are not a valid T; then `value` is unspecified.
 template <class T>
 [[nodiscard]] bool decode(ByteReader& from, T& value) {
   return PartCodec<T>::decode(from, value);

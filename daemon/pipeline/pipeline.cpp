@@ -11,7 +11,7 @@
 namespace sslv {
 namespace {
 
-/// Of a part of the frame, or of one that a library brought.
+/// Name of a part of the frame or of a library's part.
 template <class Floor>
 std::string part_name(std::span<const BasicStageType<Floor>> table, std::size_t index) {
   static constexpr auto kNames =
@@ -39,14 +39,14 @@ const BasicStageType<Floor>& find_stage(std::span<const BasicStageType<Floor>> t
   throw SettingsError(fmt::format("{}: unknown stage '{}'; known: {}", path, shortened(name), known));
 }
 
-/// Stands for a stage of a library that could not be made: the rest of the stack goes on.
+/// Replaces a library's stage that could not be made, so that the rest of the stack runs.
 template <class Floor>
 struct IdleStep final : Step<Floor> {
   explicit IdleStep(const std::string& why) { this->notes.warn("cannot start: " + why); }
   void run(const typename Floor::Inputs&, const void*) noexcept override {}
 };
 
-/// Throws what the service's own stages throw.
+/// Passes on the exceptions of built-in stages' constructors.
 template <class Floor>
 std::unique_ptr<Step<Floor>> make_step(const BasicStageType<Floor>& type) {
   if (type.library.empty()) return type.create();
@@ -116,7 +116,8 @@ RunningStack running_stack(std::span<const BasicStageType<Floor>> table,
     }
   }
   out.refused = std::move(refused);
-  // With nothing left out, or nothing to be left out, messages count the stages as the settings do.
+  // If no stage is or may be left out, checks the whole stack, so that messages use the stage numbers of the
+  // settings.
   check_stack<Floor>(table, missing == MissingStages::kRefused || is_whole ? stack : out.stages, path);
   return out;
 }
@@ -162,8 +163,8 @@ void BasicPipeline<Floor>::run(const Inputs& inputs, const Parameters& parameter
     const auto place = static_cast<std::size_t>(running.type - table_.data());
     inputs.stage_begins(place, before);
     running.step->run(guarded, parameters[i].get());
-    Senseless left_out = guard_.take_left_out();
-    if (running.changes.any()) left_out += Floor::drop_senseless(inputs, running.changes, guard_);
+    InvalidCounts left_out = guard_.take_left_out();
+    if (running.changes.any()) left_out += Floor::drop_invalid(inputs, running.changes, guard_);
     if (left_out.any()) {
       running.left_out.add(left_out);
       inputs.left_out(place, left_out);
@@ -185,7 +186,7 @@ std::size_t BasicPipeline<Floor>::save(std::span<std::byte> room) const noexcept
 
 template <class Floor>
 std::vector<std::string> BasicPipeline<Floor>::restore(std::span<const std::byte> saved) {
-  constexpr bool kRefusesNan = true;  // stages sort and compare what they remember
+  constexpr bool kRefusesNan = true;  // stages sort and compare their state
   ByteReader from(saved, kRefusesNan);
   std::vector<std::string> not_understood;
   for (std::size_t i = 0; i < steps_.size(); ++i) {
@@ -219,7 +220,8 @@ StageSettings read_stages(std::span<const BasicStageType<Floor>> table, const Js
     try {
       take(type.parse(given, here));
     } catch (const SettingsError& error) {
-      // Another version of its library may know other parameters; all other settings are worth more.
+      // Another version of the library may have other parameters; this must not invalidate all other
+      // settings.
       if (!is_outside) throw;
       take(type.parse(Json::object(), here));
       out.complete[type.name] = given;

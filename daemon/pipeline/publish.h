@@ -7,8 +7,8 @@
 
 namespace sslv {
 
-/// Hands the frame's detections to the sink from the camera's own thread: nothing stands between the last
-/// detector and the socket.
+/// Passes the frame's detections to the sink on the camera's own thread, so that nothing delays them between
+/// the last detector and the socket.
 class Publish {
  public:
   struct Params {

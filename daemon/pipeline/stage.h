@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Binds stages to frames. This is the one file where types are erased; everything around it is plain.
+// Binds stages to frames. Types are erased only in this file.
 //
 // A stage is a class with a nested `Params` struct (base/params.h) and a member function
 //
 //   void process(const Params&, const A&, B&, ...) noexcept;
 //
 // whose signature is the contract: `const T&` reads the part of type T, `T&` writes it from scratch,
-// `Update<T>` edits it in place. A part belongs to the floor's frame, or a stage library brings it
-// (own_parts.h). `StageNotes&` is what the stage tells the admin. What else a stage can be given is the
-// floor's: camera_stage.h for the stages of one camera, field_stage.h for those of the whole field. Any other
-// parameter does not compile.
+// `Update<T>` edits it in place. A part belongs to the frame of the stage's floor (cameras or whole field,
+// see below) or to a stage library (own_parts.h). `StageNotes&` takes messages for the admin. Each floor
+// defines further inputs: camera_stage.h for the stages of one camera, field_stage.h for the stages of the
+// whole field. Any other parameter does not compile.
 //
-// A stage that remembers something of earlier frames names it, and a recording begins where the stage stood:
+// A stage that keeps state between frames lists the members that hold it, so that a recording can begin with
+// that state:
 //
 //   template <class Self> static auto remembered(Self& self) { return std::tie(self.memory_); }
 //
-// of members that part_codec.h can write.
+// part_codec.h must support the types of these members.
 
 #include "base/params_json.h"
 #include "pipeline/own_parts.h"
@@ -39,7 +40,7 @@
 
 namespace sslv {
 
-/// A part of a frame: its name in error messages, and its place. Parts are told apart by their type.
+/// A part of a frame: its name in error messages, and its member. Parts are identified by their type.
 template <class Frame, class T>
 struct Part {
   std::string_view name;
@@ -51,22 +52,20 @@ Part(std::string_view, T Frame::*) -> Part<Frame, T>;
 // A floor is a struct with
 //   Frame                   the frame, with the member stage_ns
 //   kParts                  a tuple of its parts
-//   kProvided, kProvider    the parts (a PartSet) that are there before the first stage, and who provides
-//                           them
-//   Inputs                  all that a stage can be given: `frame`, and stage_begins(), stage_took() and
-//                           left_out(), each with the stage's place in the table
-//   Given                   a tuple of what a stage can be given that is no part
-//   given(inputs, type)     an overload for each of them
-//   Guard, guarded(inputs, guard)
-//                           what stands between stages and where results leave, and what stages are given
-//                           with it
-//   drop_senseless(inputs, changed, guard)
-//                           drops what makes no sense of the parts that a stage has changed (senseless.h)
+//   kProvided, kProvider    the parts (a PartSet) available before the first stage, and their source
+//   Inputs                  all inputs of stages: `frame`, and stage_begins(), stage_took() and left_out(),
+//                           each with the stage's index in the table
+//   Given                   a tuple of the inputs that are not parts
+//   given(inputs, type)     an overload for each type in Given
+//   Guard                   validates what stages publish
+//   guarded(inputs, guard)  the inputs that stages get, which publish through the guard
+//   drop_invalid(inputs, changed, guard)
+//                           drops invalid results of the parts that a stage has changed (validate.h)
 
 template <class Floor>
 inline constexpr std::size_t kPartCount = std::tuple_size_v<std::remove_cvref_t<decltype(Floor::kParts)>>;
 
-/// Position of the part of type T in the floor's parts; their count when there is none.
+/// Position of the part of type T in the floor's parts; the number of parts if there is none.
 template <class Floor, class T>
 constexpr std::size_t part_index() {
   std::size_t index = kPartCount<Floor>, i = 0;
@@ -81,9 +80,9 @@ constexpr std::size_t part_index() {
   return index;
 }
 
-/// Which parts, of whatever floor: those of its frame, then those that libraries brought, by their place.
+/// A set of parts of any floor, by index: the parts of the frame, then the parts of libraries.
 using PartSet = std::bitset<64>;
-/// Which of a floor's Given.
+/// A set of a floor's Given.
 using GivenSet = std::bitset<16>;
 
 /// A part that a stage both reads and changes in place.
@@ -116,17 +115,17 @@ constexpr std::size_t given_index() {
 /// Parameters of one stage, immutable, with their type erased.
 using StageParams = std::shared_ptr<const void>;
 
-/// One stage in a running pipeline, with whatever it remembers between frames.
+/// One stage in a running pipeline, with its state between frames.
 template <class Floor>
 class Step {
  public:
   virtual ~Step() = default;
   /// `params` was made by the same StageType.
   virtual void run(const typename Floor::Inputs& in, const void* params) noexcept = 0;
-  /// What it remembers of earlier frames. Between two of them.
+  /// Writes the state from earlier frames. Called between two frames.
   virtual void save(ByteWriter&) const noexcept {}
-  /// What save() wrote, perhaps in another version, or as somebody made it up: false when it is not
-  /// understood. Then it remembers nothing.
+  /// Restores the output of save(), which may be forged or from another version. Returns false if it is
+  /// invalid; the stage then has no state.
   virtual bool restore(ByteReader&) { return true; }
 
   StageNotes notes;
@@ -137,10 +136,10 @@ template <class Floor>
 struct BasicStageType {
   std::string name, help;
   PartSet reads, writes;
-  PartSet updates;  // those of `reads` that it changes in place
+  PartSet updates;  // parts in `reads` that the stage changes in place
   GivenSet takes;
   std::vector<OwnPartUse> own_parts;
-  /// Throws what the stage's constructor throws.
+  /// Passes on the exceptions of the stage's constructor.
   std::function<std::unique_ptr<Step<Floor>>()> create;
   struct Parsed {
     StageParams params;
@@ -148,10 +147,10 @@ struct BasicStageType {
   };
   std::function<Parsed(const Json& json, const std::string& path)> parse;  // throws SettingsError
   std::function<Json()> schema;
-  std::string library{};  // the file it comes from; empty: it is the service's own
+  std::string library{};  // the library's file name; empty: built-in stage
 };
 
-/// How one parameter of process() is fed, and what it says about the stage's needs.
+/// Supplies one parameter of process() and declares what the stage needs for it.
 template <class Floor, class Arg>
 struct Feed {
   static_assert(
@@ -196,7 +195,7 @@ struct Feed<Floor, Update<T>> {
     type.updates.set(part_index<Floor, T>());
   }
 };
-// Those that a library brings.
+// Parts of libraries.
 template <class Floor, OwnPart T>
 struct Feed<Floor, const T&> {
   static const T& get(const typename Floor::Inputs& in, Step<Floor>&) { return part(in); }
@@ -227,13 +226,13 @@ concept Remembers = requires(S& stage) {
   S::remembered(stage);
 };
 
-/// The layout of what a stage remembers, then that.
+/// Writes each member of a stage's state, preceded by the hash of its layout.
 template <Remembers S>
 void save_stage(const S& stage, ByteWriter& to) noexcept {
   std::apply([&]<class... M>(const M&... member) { ((encode(layout_of<M>(), to), encode(member, to)), ...); },
              S::remembered(stage));
 }
-/// All of it or nothing.
+/// Restores the whole state or nothing.
 template <Remembers S>
 bool restore_stage(S& stage, ByteReader& from) {
   const auto one = [&]<class M>(M& member) {
@@ -247,7 +246,7 @@ bool restore_stage(S& stage, ByteReader& from) {
   return true;
 }
 
-/// Throws std::logic_error for two parameters of the same name: nobody could set the second one.
+/// Throws std::logic_error for two parameters of the same name, because the second one could not be set.
 template <class P>
 Json stage_schema() {
   std::vector<std::string_view> names;

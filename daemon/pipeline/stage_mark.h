@@ -8,13 +8,13 @@
 
 namespace sslv {
 
-/// Which stage a thread is in, and since when: marked by that thread without a lock, read by any. It outlives
-/// the pipeline, which may be replaced while one of its stages hangs.
+/// The stage that a thread is running, and its start time. Written by that thread without a lock, read by any
+/// thread. Outlives the pipeline, which may be replaced while one of its stages hangs.
 class StageMark {
  public:
   struct Reading {
-    std::size_t stage;      // its place in the table
-    std::int64_t since_ns;  // of steady_ns()
+    std::size_t stage;      // index in the stage table
+    std::int64_t since_ns;  // start of the stage, steady_ns()
   };
 
   void begin(std::size_t stage, std::int64_t now_ns) noexcept {
@@ -23,8 +23,8 @@ class StageMark {
   }
   void end() noexcept { stage_.store(kNone, std::memory_order_relaxed); }
 
-  /// None between stages. Of a stage that is just beginning, the time may be that of another one: what a
-  /// reader looks for has been there for seconds.
+  /// Returns nothing between stages. While a stage begins, the time may still be the previous stage's; this
+  /// is acceptable, because readers search for stages that have run for seconds.
   std::optional<Reading> read() const {
     const std::int64_t stage = stage_.load(std::memory_order_relaxed);
     if (stage == kNone) return std::nullopt;

@@ -13,22 +13,28 @@
 
 namespace sslv {
 
-/// What a stage has to tell the admin at the moment: a short text that Diagnostics shows beside its time. A
-/// warning is an alert too. Written by the stage's thread without a lock, read by any.
+/// Current message of a stage to the admin: a short text that Diagnostics shows beside the stage's time. A
+/// warning also raises an alert. Written by the stage's thread without a lock, read by any thread.
 class StageNotes {
  public:
+  /// A warning raises an alert; a note is only shown.
   enum class Kind : std::uint8_t { kNone, kNote, kWarning };
+  /// The current message; empty after clear().
   struct Note {
     Kind kind = Kind::kNone;
     std::string text;
   };
-  /// In bytes; what is longer is cut off.
+  /// Maximum length of a text in bytes; longer texts are truncated.
   static constexpr std::size_t kMaxText = 254;
 
+  /// Replaces the message by a note.
   void say(std::string_view text) noexcept { store(Kind::kNote, text); }
+  /// Replaces the message by a warning.
   void warn(std::string_view text) noexcept { store(Kind::kWarning, text); }
+  /// Removes the message.
   void clear() noexcept { note_.store({}); }
 
+  /// A copy, for any thread.
   Note read() const {
     const Stored stored = note_.load();
     return {stored.kind, std::string(stored.text.data(), stored.length)};

@@ -13,7 +13,7 @@ namespace sslv {
 bool is_league_message(std::int32_t type, std::span<const std::byte> datagram) {
   switch (type) {
     case LoggedMessage::kVision2014: {
-      // A length-delimited field 4: a Vision Processor's own settings.
+      // Length-delimited field 4: a Vision Processor's own settings.
       constexpr std::byte kProcessorSettings{4 << 3 | 2};
       thread_local SSL_WrapperPacket packet;
       return parse(packet, datagram) && (packet.has_detection() || packet.has_geometry() ||
@@ -43,7 +43,7 @@ bool LeagueShare::take(std::uint32_t sender, std::size_t bytes, double now_s) {
   const auto refill = [now_s](Bucket& bucket, double bytes_per_s) {
     const double more = bytes_per_s * std::max(0.0, now_s - bucket.at_s);
     bucket.left_bytes = std::min(2 * bytes_per_s, bucket.left_bytes + more);
-    bucket.at_s = std::max(bucket.at_s, now_s);  // a clock that goes back and on gives nothing, either
+    bucket.at_s = std::max(bucket.at_s, now_s);  // a clock set back and forward again adds nothing
   };
   Bucket& own = bucket_of(sender, now_s);
   refill(own, bytes_per_s_ / 2);

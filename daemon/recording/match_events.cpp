@@ -26,10 +26,9 @@ constexpr KindName kKinds[] = {{MatchEvent::Kind::kCommand, "command"},
                                {MatchEvent::Kind::kKick, "kick"}};
 
 constexpr std::int64_t kForgottenAfter_ns = 5'000'000'000;
-constexpr std::size_t kMaxNameBytes = 60;
-constexpr double kSameKick_s = 0.05;  // a tracker that computes it again may find another moment for it
+constexpr double kSameKick_s = 0.05;  // trackers may estimate the start of the same kick again
 
-// By the numbers of the game controller's Command and Stage.
+// Indexed by the numbers of the game controller's Command and Stage.
 constexpr const char* kCommands[] = {"Halt",
                                      "Stop",
                                      "Normal start",
@@ -122,9 +121,9 @@ void MatchEventFinder::add_referee(const LoggedMessage& message, std::vector<Mat
   const std::array<std::uint32_t, 2> score{referee.yellow().score(), referee.blue().score()};
   for (const std::size_t team : {0U, 1U}) {
     if (!score_ || score[team] <= (*score_)[team]) continue;
-    // Game controllers are not the only ones who can send to the group.
+    // Any program can send to the group, so the name may hold anything.
     const std::string name =
-        shortened(plain_part(team == 0 ? referee.yellow().name() : referee.blue().name()), kMaxNameBytes);
+        shortened(plain_part(team == 0 ? referee.yellow().name() : referee.blue().name()), kMaxTeamNameBytes);
     tell(MatchEvent::Kind::kGoal,
          fmt::format("Goal for {}: {} : {}", name.empty() ? (team == 0 ? "yellow" : "blue") : name, score[0],
                      score[1]));
@@ -142,7 +141,8 @@ void MatchEventFinder::add_tracked(const LoggedMessage& message, std::vector<Mat
   if (!std::isfinite(speed_m_s) || !std::isfinite(late_s)) return;
   if (std::abs(kick.start_timestamp() - kick_s_) < kSameKick_s) return;
   kick_s_ = kick.start_timestamp();
-  // A tracker tells of a kick after it; the message's clock is the one of the log.
+  // Trackers report a kick late and with times of their own clock, so subtract this delay from the message's
+  // log time.
   const double before_s = std::clamp(late_s, 0.0, 2.0);
   std::string who;
   if (kick.has_robot_id())

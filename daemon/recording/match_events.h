@@ -13,7 +13,7 @@
 
 namespace sslv {
 
-/// What happened in a match, for those who look for it in a log.
+/// An event of a match, to find it in a log.
 struct MatchEvent {
   enum class Kind { kCommand, kStage, kGoal, kKick };
 
@@ -24,30 +24,33 @@ struct MatchEvent {
   bool operator==(const MatchEvent&) const = default;
 };
 
-/// "Kick-off, yellow": the game controller's Command, for people.
+/// Longer names of teams are shortened, in events and moments.
+inline constexpr std::size_t kMaxTeamNameBytes = 60;
+
+/// The game controller's Command in words: "Kick-off, yellow".
 std::string command_text(int command);
-/// "First half": its Stage.
+/// The game controller's Stage in words: "First half".
 std::string stage_text(int stage);
 
 const char* name_of(MatchEvent::Kind kind);
-/// Throws std::invalid_argument.
+/// Throws std::invalid_argument for an unknown name.
 MatchEvent::Kind event_kind(std::string_view name);
 
-/// Finds events in what the game controller and a tracker say. Of several of each, the first is followed
-/// until it has been silent for five seconds.
+/// Finds events in the messages of a game controller and a tracker. If several game controllers or trackers
+/// send, it follows the first one until that sender has been silent for 5 s.
 class MatchEventFinder {
  public:
-  /// More are not kept, so that no file fills the memory.
+  /// Further events are dropped, so that no file fills the memory.
   static constexpr std::size_t kMaxEvents = 20'000;
 
-  /// Adds to `out` what this message tells.
+  /// Appends the events of this message to `out`.
   void add(const LoggedMessage& message, std::vector<MatchEvent>& out);
 
  private:
   struct Followed {
     std::string source;
     std::optional<std::int64_t> heard_ns;
-    /// Whether what this source says counts.
+    /// Whether `from` is the followed source. Changes to `from` if the current source has been silent.
     bool follows(const std::string& from, std::int64_t now_ns);
   };
   void add_referee(const LoggedMessage& message, std::vector<MatchEvent>& out);
@@ -56,7 +59,7 @@ class MatchEventFinder {
   Followed referee_, tracker_;
   std::optional<int> command_, stage_;
   std::optional<std::array<std::uint32_t, 2>> score_;
-  double kick_s_ = 0;  // when the last kick began
+  double kick_s_ = 0;  // start of the last kick, in the tracker's time
 };
 
 }  // namespace sslv

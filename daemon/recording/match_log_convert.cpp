@@ -17,7 +17,7 @@
 namespace sslv {
 namespace {
 
-/// A log as the league's own tools write it.
+/// An unpacked log as the league's own tools write it.
 class PlainLog {
  public:
   explicit PlainLog(const std::filesystem::path& file) : name_(file.string()), out_(file, std::ios::binary) {
@@ -30,7 +30,8 @@ class PlainLog {
     put(message.bytes);
   }
 
-  /// The last message tells where all others are, how far it is from the file's end, and that it is there.
+  /// Appends the index message: the offsets of all messages, its own distance from the file's end, and a
+  /// marker. Throws StorageError.
   void finish() {
     constexpr std::string_view kEnd = "INDEXED";
     std::vector<std::byte> index;

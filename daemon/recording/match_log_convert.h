@@ -12,9 +12,9 @@ struct ConvertedMatchLog {
   std::string problem;  // why `from` could not be read to its end; empty when it could
 };
 
-/// Writes a log again: packed with an index beside it when `to` ends with .log.gz, plain with the league's
-/// own index at its end when it ends with .log. What is whole of a damaged log is kept. `to` must not be
-/// there yet. Throws StorageError.
+/// Converts a log: to gzip with an index beside it if `to` ends with .log.gz, unpacked with the league's own
+/// index at its end if it ends with .log. Keeps the messages before the damage of a damaged log. `to` must
+/// not exist. Throws StorageError.
 ConvertedMatchLog convert_match_log(const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace sslv

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The log file of the league: the 12 bytes SSL_LOG_FILE and version 1, then messages, each with the time at
-// which it was received, its type and its size; all numbers big-endian (github.com/RoboCup-SSL/ssl-go-tools
-// describes it).
+// The league's log file: the 12 bytes SSL_LOG_FILE and version 1, then messages, each preceded by its receive
+// time, type and size; all numbers big-endian (source: github.com/RoboCup-SSL/ssl-go-tools).
 
 #include <array>
 #include <cstddef>
@@ -14,7 +13,6 @@
 
 namespace sslv {
 
-/// A message of a log.
 struct LoggedMessage {
   std::int64_t time_ns = 0;  // Unix time at which it was received
   std::int32_t type = 0;
@@ -25,19 +23,19 @@ struct LoggedMessage {
 
 inline constexpr std::string_view kLogMagic = "SSL_LOG_FILE";
 inline constexpr std::int32_t kLogVersion = 1;
-inline constexpr std::size_t kLogHeaderBytes = 16;      // of the file
-inline constexpr std::size_t kMessageHeaderBytes = 16;  // of each message
-/// An index of other programs may be so large.
+inline constexpr std::size_t kLogHeaderBytes = 16;      // at the file's beginning
+inline constexpr std::size_t kMessageHeaderBytes = 16;  // before each message
+/// Limit per message; index messages of other programs can be this large.
 inline constexpr std::int32_t kMaxMessageBytes = 1024 * 1024;
 
-/// No datagram is larger than this; what is, is read but not understood.
+/// The largest possible datagram. Larger messages are read but not parsed.
 inline constexpr std::size_t kMaxDatagramInLog = 65'507;
-/// Times of messages: from 1970 on, and sums of them stay numbers. In the year 2115 this ends.
+/// Valid message times are from 1970 to 2116 (2^62 ns), so that the sum of two does not overflow.
 constexpr bool is_log_time(std::int64_t time_ns) {
   return time_ns >= 0 && time_ns < std::int64_t{1} << 62;
 }
 
-/// What stands before a message's bytes.
+/// Precedes each message's bytes in the file.
 struct MessageHeader {
   std::int64_t time_ns = 0;
   std::int32_t type = 0, size = 0;
@@ -47,7 +45,7 @@ std::array<std::byte, kLogHeaderBytes> log_header();
 std::array<std::byte, kMessageHeaderBytes> message_header(const MessageHeader& header);
 MessageHeader read_message_header(std::span<const std::byte, kMessageHeaderBytes> bytes);
 
-/// Adds `value` to `out`, its highest byte first.
+/// Appends the 8 bytes of `value` to `out`.
 void put_big_endian(std::int64_t value, std::vector<std::byte>& out);
 
 }  // namespace sslv

@@ -24,17 +24,17 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "ssl-visiond log index";
 constexpr int kVersion = 1;
-/// What an index beside a log may be, so that reading it takes no more than 64 MB of memory. Ours are
-/// smaller.
+/// Larger index files are ignored, so that reading one takes at most 64 MB of memory. This
+/// program's index files are smaller.
 constexpr std::uint64_t kMaxIndexBytes = std::uint64_t{8} << 20U;
-constexpr std::size_t kMaxIndexValues = 200'000;  // of JSON
+constexpr std::size_t kMaxIndexValues = 200'000;  // number of JSON values in an index file
 
 constexpr std::size_t kMaxPoints = 1 << 14;
 
-/// Types of which messages are counted one by one: private ones may be many.
+/// Most message types that are counted: there may be many private ones.
 constexpr std::size_t kMaxTypes = 64;
 
-/// Of an event.
+/// Limit of an event's text.
 constexpr std::size_t kMaxTextBytes = 200;
 
 constexpr std::streamoff kSignedBytes = 4096;
@@ -61,7 +61,7 @@ Json to_json(const MatchLogIndex& index) {
           {"problem", index.problem}};
 }
 
-/// Throws std::exception for what no log can have: the file may be of anybody.
+/// Throws std::exception for values that no log can have: the file is untrusted.
 MatchLogIndex index_of(const Json& json) {
   const auto require = [](bool holds) {
     if (!holds) throw std::invalid_argument("is no index");
@@ -175,9 +175,9 @@ std::optional<MatchLogIndex> read_match_log_index(const fs::path& log) {
     sign_match_log_index(log, now);
     if (now.file_bytes != index.file_bytes || now.end_sum != index.end_sum) return std::nullopt;
     return index;
-  } catch (const std::bad_alloc&) {  // it says nothing of the index
+  } catch (const std::bad_alloc&) {  // the index may be valid
     throw;
-  } catch (const std::exception&) {  // it is made again
+  } catch (const std::exception&) {  // invalid: the caller makes a new one
     return std::nullopt;
   }
 }
@@ -192,7 +192,7 @@ MatchLogIndex match_log_index(const fs::path& log, const std::stop_token& stop) 
   try {
     write_match_log_index(log, index);
   } catch (const StorageError&) {
-    // A folder that is only to be read: the index is made again the next time.
+    // A read-only folder: the next call makes the index again.
   }
   return index;
 }

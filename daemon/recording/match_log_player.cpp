@@ -33,11 +33,11 @@ std::optional<double> MatchLogPlayer::play(double now_s, const Send& send) {
     played_s_.reset();
     return std::nullopt;
   }
-  // A caller that came late makes up for it.
+  // After a late call, playback catches up.
   double passed_s = played_s_ ? std::max(0.0, now_s - *played_s_) * speed_ : 0;
   played_s_ = now_s;
   for (int given = 0; has_next_ && given < kMaxAtOnce; ++given) {
-    double gap_s = std::max(0.0, at_s_of(next_.time_ns) - at_s_);  // 0 where a clock was set back
+    double gap_s = std::max(0.0, at_s_of(next_.time_ns) - at_s_);  // 0 if a clock was set back
     if (longest_gap_s_ > 0 && gap_s > longest_gap_s_) {
       at_s_ += gap_s - longest_gap_s_;
       gap_s = longest_gap_s_;
@@ -52,7 +52,7 @@ std::optional<double> MatchLogPlayer::play(double now_s, const Send& send) {
     read_next();
   }
   if (!has_next_) return std::nullopt;
-  // More is due: the rest of the time is given back.
+  // More is due: leave the unused time to the next call.
   played_s_ = now_s - passed_s / speed_;
   return 0;
 }
@@ -87,12 +87,13 @@ bool MatchLogPlayer::step(const Send& send) {
 
 bool MatchLogPlayer::jump(MatchEvent::Kind kind, bool forwards) {
   const std::int64_t at_ns = index_.first_ns + std::llround(at_s_ / kNanosecond_s);
-  // It stands before the event that it went to, until it has played past it.
+  // A jump ends before its event. Until playback has passed that event, search from the event instead of the
+  // position.
   const std::int64_t here_ns = std::max(at_ns, event_ns_.value_or(at_ns));
   const MatchEvent* found = nullptr;
   for (const MatchEvent& event : index_.events) {
     if (event.kind != kind || (forwards ? event.time_ns <= here_ns : event.time_ns >= here_ns)) continue;
-    // Kicks are told late, so events need not stand in the order of their times.
+    // Kicks are reported late, so events may not be in time order.
     if (!found || (forwards ? event.time_ns < found->time_ns : event.time_ns > found->time_ns))
       found = &event;
   }

@@ -13,7 +13,7 @@
 namespace sslv {
 namespace {
 
-/// Qt's streams write a text's length and then two bytes for each letter.
+/// Logs of version 0 are streams of Qt: a string's length (4 bytes), then two bytes for each character.
 constexpr std::string_view kOldMagic{"\0S\0S\0L\0_\0L\0O", 12};
 
 constexpr UnpackPlace kFirstMessage{kLogHeaderBytes, kLogHeaderBytes};
@@ -51,7 +51,7 @@ bool MatchLogReader::stop(const std::string& why) {
   return false;
 }
 
-/// Of the next message, unless it was read already.
+/// Reads the next message's header unless it was already read. False at the end, or after a problem.
 bool MatchLogReader::read_header() {
   if (header_) return true;
   if (is_at_end_) return false;
@@ -66,7 +66,7 @@ bool MatchLogReader::read_header() {
                     : fmt::format("{} behind message {}", file_.problem(), messages_));
   }
   const MessageHeader header = read_message_header(bytes);
-  if (header.type == LoggedMessage::kIndex) {  // nothing follows it
+  if (header.type == LoggedMessage::kIndex) {  // the last message
     is_at_end_ = true;
     return false;
   }
@@ -77,7 +77,7 @@ bool MatchLogReader::read_header() {
   header_ = header;
   message_offset_ = offset;
   const UnpackPlace place = file_.place();
-  // Of a file that is not packed each message is such a place.
+  // In an unpacked file, reading can start at each message.
   place_ = file_.is_packed() ? place : UnpackPlace{offset, offset};
   return true;
 }
@@ -110,7 +110,7 @@ void MatchLogReader::go_to_begin() {
 
 void MatchLogReader::go_to(std::int64_t time_ns, const MatchLogIndex& index) {
   go_to_begin();
-  // All messages before such a point came before.
+  // The last point with only earlier messages before it.
   const auto behind = std::ranges::partition_point(
       index.points, [&](const MatchLogPoint& point) { return point.all_before_ns < time_ns; });
   if (behind != index.points.begin()) {

@@ -16,33 +16,34 @@ namespace sslv {
 
 struct MatchLogIndex;
 
-/// Reads a log of the league, packed (.log.gz) or not (.log), message by message.
+/// Reads a log of the league, packed (.log.gz) or unpacked (.log), message by message.
 class MatchLogReader {
  public:
-  /// Throws StorageError, beginning with the path, for what cannot be opened and for what is no such log.
+  /// Throws StorageError, beginning with the path, if the file cannot be opened or is not such a log.
   explicit MatchLogReader(const std::filesystem::path& path);
 
-  /// False at the end, or where nothing more can be read: problem() says why then. What was whole was given
-  /// before.
+  /// Reads the next message. False at the end, or if the rest cannot be read; problem() then has the reason.
+  /// All intact messages before were returned.
   bool next(LoggedMessage& out);
 
-  /// The next message is the first that came at `time_ns` or later, once none before it did.
+  /// Goes to the first message in file order with a time of `time_ns` or later.
   void go_to(std::int64_t time_ns, const MatchLogIndex& index);
-  /// The next message is the one at such a place.
+  /// Goes to the message that begins at this place.
   void go_to(const UnpackPlace& message);
-  /// The next message is the file's first.
+  /// Goes to the file's first message.
   void go_to_begin();
-  /// The next message begins so many unpacked bytes behind the file's beginning.
+  /// Resumes at `place` and skips to the message that begins at `next_offset` unpacked bytes in the file.
   void go_to(const MemberPlace& place, std::uint64_t next_offset);
-  /// The next message is the first that came at `time_ns` or later. False: that is more than so many unpacked
-  /// bytes away, or it was told to stop.
+  /// Skips to the next message with a time of `time_ns` or later. False: it is more than `max_bytes` unpacked
+  /// bytes away, or on a stop request.
   bool skip_to(std::int64_t time_ns, std::uint64_t max_bytes, const std::stop_token& stop);
 
   /// See PackedFile.
   void note_places(std::uint64_t every_bytes) { file_.note_places(every_bytes); }
   std::vector<MemberPlace> take_places() { return file_.take_places(); }
 
-  /// Of the last message: unpacked bytes before it, and the last place before it at which reading may begin.
+  /// Unpacked bytes before the last message, and the last place before or at that message at which reading
+  /// can start.
   std::uint64_t message_offset() const { return message_offset_; }
   UnpackPlace place() const { return place_; }
 
@@ -60,7 +61,7 @@ class MatchLogReader {
   PackedFile file_;
   std::uint64_t messages_ = 0, message_offset_ = 0;
   UnpackPlace place_;
-  std::optional<MessageHeader> header_;  // read already, its message not yet
+  std::optional<MessageHeader> header_;  // header of the next message, if already read
   std::string problem_;
   bool is_at_end_ = false;
 };

@@ -28,7 +28,7 @@ std::string why() {
   return std::strerror(errno);
 }
 
-/// A file that is written at its end.
+/// A file to append to. Errors throw StorageError.
 class OutputFile {
  public:
   OutputFile(const fs::path& path, int flags)
@@ -52,7 +52,7 @@ class OutputFile {
   void sync() {
     if (::fdatasync(file_) != 0) fail("cannot be written");
   }
-  /// Throws StorageError when another file, or none, has its name now.
+  /// Throws StorageError if the file was removed or replaced.
   void check_name() const {
     struct stat mine {
     }, named{};
@@ -99,7 +99,7 @@ class MatchLogWriter::State {
 
   void add(std::int64_t time_ns, std::int32_t type, std::span<const std::byte> bytes) {
     if (bytes.size() > kMaxMessageBytes) return;
-    // A member is only ended when another one begins, so that none is empty.
+    // End a member only when another one begins, so that none is empty.
     if (offset_ - place_.offset >= kMemberBytes) {
       deflate_all(Z_FINISH);
       deflateReset(&zlib_);
@@ -159,7 +159,7 @@ class MatchLogWriter::State {
   z_stream zlib_{};
   std::vector<Bytef> output_;
   std::uint64_t offset_ = 0;  // unpacked bytes
-  UnpackPlace place_;         // of the member that is written
+  UnpackPlace place_;         // beginning of the current member
   LoggedMessage message_;
 };
 
@@ -189,13 +189,13 @@ const MatchLogIndex& MatchLogWriter::index() const {
 
 namespace {
 
-/// Tells where messages end in bytes that come piece by piece, and whether they can be messages.
+/// Finds the ends of messages in a log that arrives in chunks, and validates the messages' headers.
 class MessageEnds {
  public:
-  /// False when these can be no messages of a log.
+  /// False if the bytes so far are not a valid log.
   bool take(std::span<const Bytef> bytes) {
     for (; !bytes.empty() && is_good_; bytes = bytes.subspan(1)) {
-      if (left_ > 0) {  // of a message
+      if (left_ > 0) {  // inside a message
         const std::size_t count = std::min<std::size_t>(left_, bytes.size());
         left_ -= count;
         bytes = bytes.subspan(count - 1);
@@ -206,7 +206,7 @@ class MessageEnds {
     }
     return is_good_;
   }
-  /// What was taken ends with a message, or the file's header.
+  /// Whether the bytes so far end at the end of a message or of the file's header.
   bool is_end() const { return is_good_ && left_ == 0 && head_bytes_ == 0; }
 
  private:
@@ -228,14 +228,14 @@ class MessageEnds {
   bool is_first_ = true, is_good_ = true;
 };
 
-/// How far a packed log is whole.
+/// The intact part of a packed log.
 struct WholePart {
-  std::uint64_t end = 0;  // of the file: all before it is whole
+  std::uint64_t end = 0;  // file offset: everything before it is intact
   bool is_in_member = false;
-  std::uint32_t sum = 0, size = 0;  // of the unpacked bytes of the member that ends there without its end
+  std::uint32_t sum = 0, size = 0;  // CRC-32 and length of the unpacked bytes of an incomplete last member
 };
 
-/// Reads a packed file block by block.
+/// Reads a packed log, one deflate block at a time, to find its intact part.
 class BlockReader {
  public:
   explicit BlockReader(const fs::path& path)
@@ -253,12 +253,12 @@ class BlockReader {
   BlockReader(const BlockReader&) = delete;
   BlockReader& operator=(const BlockReader&) = delete;
 
-  /// Throws StorageError when it is told to stop.
+  /// Throws StorageError on a stop request, if the file cannot be read, and above kMaxUnpackedBytes.
   WholePart read(const std::stop_token& stop) {
     WholePart whole;
     std::uint64_t unpacked_bytes = 0;
     MessageEnds ends;
-    WholePart now;  // of the member that is read
+    WholePart now;  // has the sum and size of the current member so far
     while (fill()) {
       if (stop.stop_requested()) throw StorageError(fmt::format("{}: was not read to its end", name_));
       zlib_.next_out = output_.data();
@@ -278,7 +278,7 @@ class BlockReader {
         if (ends.is_end()) whole = {.end = taken()};
         continue;
       }
-      // A flush ends with an empty block that is not packed, so that the next one begins with a byte.
+      // A flush ends with an empty stored block, so that the next block is byte-aligned.
       constexpr int kAfterBlock = 128, kUnusedBits = 7;
       if ((zlib_.data_type & kAfterBlock) != 0 && (zlib_.data_type & kUnusedBits) == 0 && ends.is_end() &&
           is_flush())
@@ -329,7 +329,7 @@ RepairedMatchLog repair_match_log(const fs::path& path, const std::stop_token& s
   OutputFile file(path, O_WRONLY | O_CLOEXEC);
   file.cut(whole.end);
   if (whole.is_in_member) {
-    // The end of a member: an empty last block, the sum and the number of its bytes, lowest byte first.
+    // End of a member: an empty final block, then CRC-32 and size of its unpacked bytes, little-endian.
     std::array<Bytef, 5 + 4 + 4> end{1, 0, 0, 0xff, 0xff};
     for (unsigned i = 0; i < 4; ++i) {
       end[5 + i] = static_cast<Bytef>(whole.sum >> 8 * i);

@@ -12,29 +12,31 @@
 
 namespace sslv {
 
-/// Writes a log of the league as gzip, for every tool that reads such logs. Reading may begin at many places
-/// of it: it is made of members, of about a MiB of messages each, and an index stands beside it in the end.
-/// What was flushed survives a power cut; repair_match_log() makes the file a whole one again.
+/// Writes a log of the league as gzip, which every tool for such logs can read. Reading can start at many
+/// places: each gzip member holds about 1 MiB of messages, and finish() writes an index beside the log.
+/// Flushed data survives a power cut; repair_match_log() then completes the file.
 class MatchLogWriter {
  public:
-  /// Unpacked bytes of a member.
+  /// A gzip member ends at the first message boundary after this many unpacked bytes.
   static constexpr std::size_t kMemberBytes = 1024 * 1024;
 
-  /// Makes the file, which must not be there yet. Throws StorageError.
+  /// Creates the file, which must not exist. Throws StorageError.
   explicit MatchLogWriter(const std::filesystem::path& path);
-  /// Without finish() the file stays as after a power cut.
+  /// Without finish() the file is left as after a power cut.
   ~MatchLogWriter();
 
-  /// Into memory, and into the file what is ready. Messages of more than kMaxMessageBytes are left out.
-  /// Throws StorageError.
+  /// Compresses the message in memory and writes the compressed output so far to the file. Drops messages of
+  /// more than kMaxMessageBytes. Throws StorageError.
   void add(std::int64_t time_ns, std::int32_t type, std::span<const std::byte> message);
-  /// When it returns, all that was added is on the disk. Throws StorageError.
+  /// On return, all added messages are on the disk. Throws StorageError, also if the file was removed or
+  /// replaced.
   void flush();
-  /// Likewise, and the file is complete; nothing may be added any more. It has its index, unless that cannot
-  /// be written: it can be made again at any time. Throws StorageError.
+  /// Writes all added messages to the disk and completes the file; add() must not be called afterwards. Also
+  /// writes the index; if that fails, it only logs a warning, as the index can be made again at any time.
+  /// Throws StorageError.
   void finish();
 
-  std::uint64_t bytes() const;  // that went into the file
+  std::uint64_t bytes() const;  // written to the file
   const MatchLogIndex& index() const;
 
  private:
@@ -42,15 +44,14 @@ class MatchLogWriter {
   std::unique_ptr<State> state_;
 };
 
-/// What repair_match_log() did.
 struct RepairedMatchLog {
   bool was_whole = true;
-  std::uint64_t removed_bytes = 0;  // of the file, at its end
+  std::uint64_t removed_bytes = 0;  // from the file's end
 };
 
-/// Makes a packed log whole that a MatchLogWriter did not finish: what was flushed stays, what came after it
-/// goes. May be interrupted and called again. Throws StorageError for what is no such log, and when it is
-/// told to stop; the log then stays as it is.
+/// Completes a packed log that a MatchLogWriter did not finish: keeps everything up to the last flush and
+/// removes the rest. Can be interrupted and called again. Throws StorageError if the file is not such a log,
+/// and on a stop request; both leave the log unchanged.
 RepairedMatchLog repair_match_log(const std::filesystem::path& path, const std::stop_token& stop = {});
 
 }  // namespace sslv

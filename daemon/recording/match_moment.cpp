@@ -26,14 +26,13 @@ namespace sslv {
 namespace {
 
 constexpr std::int64_t kNew_ns = 200'000'000, kNewReferee_ns = 2'000'000'000;
-/// So far into a log its field must have been said; it is every few seconds.
+/// The field is searched this far into a log; geometry is sent every few seconds.
 constexpr std::int64_t kFieldWithin_ns = 30'000'000'000;
 constexpr int kMaxMessages = 100'000;
-constexpr std::size_t kMaxNameBytes = 60;
-/// More is no field: what a log holds is anybody's.
+/// Limits, since a log is untrusted: no field has more cameras, or more robots or balls.
 constexpr std::size_t kMaxCameras = 64;
 constexpr int kMaxThings = 256;
-/// Of places within members.
+/// Limits of places within members: their number, and the unpacked bytes between them.
 constexpr std::uint64_t kMaxPlaces = 1024, kLeastBetweenPlaces = std::uint64_t{4} << 20U;
 
 double seconds_of(std::int64_t ns) {
@@ -56,7 +55,7 @@ Json robot_json(const SSL_DetectionRobot& robot, const char* team) {
           {"pixel_y", robot.pixel_y()}};
 }
 
-/// Calls use(one) for the first ones of a list.
+/// Calls use(one) for the first kMaxThings of a list.
 template <class List, class Use>
 void each_of_some(const List& list, const Use& use) {
   std::for_each(list.begin(), list.begin() + std::min(list.size(), kMaxThings), use);
@@ -102,7 +101,7 @@ Json tracked_json(const TrackedFrame& frame) {
 }
 
 Json team_json(const Referee::TeamInfo& team) {
-  return {{"name", shortened(escaped_text(team.name()), kMaxNameBytes)}, {"score", team.score()}};
+  return {{"name", shortened(escaped_text(team.name()), kMaxTeamNameBytes)}, {"score", team.score()}};
 }
 
 Json referee_json(const Referee& referee) {
@@ -116,7 +115,7 @@ bool is_vision(const LoggedMessage& message) {
   return message.type == LoggedMessage::kVision2014 || message.type == LoggedMessage::kVision2010;
 }
 
-/// Between the places of an index at which reading may begin, and the log's end.
+/// Most unpacked bytes between neighbouring points of an index, its log's beginning and end included.
 std::uint64_t largest_gap_bytes(const MatchLogIndex& index) {
   std::uint64_t largest = 0, before = 0;
   for (const MatchLogPoint& point : index.points) {
@@ -134,7 +133,7 @@ std::optional<Json> detections_json_of(std::span<const std::byte> packet) {
   return detections_json_of(wrapper.detection());
 }
 
-/// Places within the members of a packed log, found by a thread that reads all of it once.
+/// Places within the members of a packed log, found by a thread that reads the whole log once.
 class MatchMoments::Places {
  public:
   Places(const std::filesystem::path& log, std::uint64_t every_bytes)
@@ -142,7 +141,7 @@ class MatchMoments::Places {
           become_background_thread("log places", 15);
           try {
             find(log, every_bytes, stop);
-          } catch (const std::exception&) {  // who looks at the log finds the same, or has too few places
+          } catch (const std::exception&) {  // at() reports the same error, or has fewer places to start at
           }
           const std::lock_guard lock(mutex_);
           is_done_ = true;
@@ -151,10 +150,11 @@ class MatchMoments::Places {
 
   struct Place {
     MemberPlace at;
-    std::uint64_t next_offset = 0;   // of the first message behind it
-    std::int64_t all_before_ns = 0;  // the latest time of those before
+    std::uint64_t next_offset = 0;   // unpacked bytes before the first message after the place
+    std::int64_t all_before_ns = 0;  // latest time of the messages before that message
   };
-  /// The last one behind which is all that came then. None: nothing is known of that time yet.
+  /// Returns the last place with only earlier messages before it, or Place{} if no place is suitable.
+  /// std::nullopt: the thread has not reached that time yet.
   std::optional<Place> before(std::int64_t time_ns) const {
     const std::lock_guard lock(mutex_);
     if (!is_done_ && time_ns >= read_ns_) return std::nullopt;
@@ -173,7 +173,7 @@ class MatchMoments::Places {
     reader.note_places(every_bytes);
     std::int64_t latest_ns = 0;
     for (LoggedMessage message; !stop.stop_requested() && reader.next(message);) {
-      // An index may lie about the log's length.
+      // Checked here too, since the index may have a wrong length of the log.
       if (reader.message_offset() > kMaxUnpackedBytes || places_.size() > kMaxPlaces) return;
       latest_ns = std::max(latest_ns, message.time_ns);
       for (MemberPlace& found : reader.take_places()) {
@@ -184,19 +184,19 @@ class MatchMoments::Places {
     }
   }
 
-  mutable std::mutex mutex_;  // guards the next ones
+  mutable std::mutex mutex_;  // guards the members below
   mutable std::condition_variable done_;
   std::vector<Place> places_;
-  std::int64_t read_ns_ = 0;  // so far
+  std::int64_t read_ns_ = 0;  // time that the thread has reached
   bool is_done_ = false;
-  std::jthread thread_;  // last: it uses the others
+  std::jthread thread_;  // last: it uses the members above
 };
 
 MatchMoments::MatchMoments(const std::filesystem::path& log, std::shared_ptr<const MatchLogIndex> index,
                            std::uint64_t max_bytes)
     : index_(std::move(index)), max_bytes_(max_bytes), reader_(log) {
   if (largest_gap_bytes(*index_) <= max_bytes_ / 2) return;
-  // Never so far apart that what lies between is out of reach.
+  // Places are at most max_bytes_ / 2 apart, so that every message between them can be reached.
   const std::uint64_t every_bytes =
       std::min(std::max(index_->unpacked_bytes / kMaxPlaces, std::min(kLeastBetweenPlaces, max_bytes_ / 4)),
                max_bytes_ / 2);
@@ -209,7 +209,7 @@ void MatchMoments::wait() {
   if (places_) places_->wait();
 }
 
-/// False: nothing is known of that time yet.
+/// False: the thread that finds places has not reached that time yet.
 bool MatchMoments::go_to(std::int64_t time_ns, const std::stop_token& stop) {
   const auto behind = std::ranges::partition_point(
       index_->points, [&](const MatchLogPoint& point) { return point.all_before_ns < time_ns; });
@@ -282,7 +282,7 @@ std::optional<Json> MatchMoments::at(double at_s, const std::stop_token& stop) {
       camera["time_s"] = time_s;
     } else if (message.type == LoggedMessage::kTracker2020 && parse(tracker, message.bytes) &&
                tracker.has_tracked_frame()) {
-      // Of several trackers the one that was heard first.
+      // If several trackers send, use the first one.
       if (out["tracked"].is_null()) tracker_source = tracker.uuid();
       if (tracker.uuid() == tracker_source) out["tracked"] = tracked_json(tracker.tracked_frame());
     }

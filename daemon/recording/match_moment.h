@@ -15,15 +15,15 @@
 
 namespace sslv {
 
-/// The robots and balls of a detection packet as docs/openapi.json's Detections has them; none: it is none.
+/// Robots and balls of a packet, as Detections in docs/openapi.json; none: it is not a detection packet.
 std::optional<Json> detections_json_of(std::span<const std::byte> packet);
 
-/// Looks at a match log anywhere: what was known at a moment. No moment takes long: of a log in which reading
-/// may begin at few places, as other programs pack them, a thread of low priority finds more, once. Used by
-/// one thread at a time.
+/// Returns the state of the game at any moment of a match log, in bounded time. Logs that other programs
+/// packed have few places at which reading can start; for these logs, a low-priority thread finds more
+/// places, once. Use from one thread at a time.
 class MatchMoments {
  public:
-  /// Unpacked bytes that are read for one moment.
+  /// Most unpacked bytes to read for one moment.
   static constexpr std::uint64_t kMaxBytes = std::uint64_t{128} << 20U;
 
   /// `index`: of this log; `max_bytes`: for tests. Throws StorageError.
@@ -31,12 +31,12 @@ class MatchMoments {
                std::uint64_t max_bytes = kMaxBytes);
   ~MatchMoments();
 
-  /// docs/openapi.json's MatchMoment: the newest of each source that is no older than .2 s, of the game
-  /// controller 2 s. `at_s`: since the log's first message, kept within the log. None: the log is still being
-  /// read up to that time. Throws StorageError once it is told to stop, and for a time that cannot be
-  /// reached.
+  /// MatchMoment of docs/openapi.json: the newest message of each source, if it is at most 0.2 s old (of the
+  /// game controller: 2 s). `at_s`: s since the log's first message, clamped to the log. None: the thread
+  /// that finds places has not reached that time yet. Throws StorageError on a stop request, and if reading
+  /// to that time would exceed the limit of bytes.
   std::optional<Json> at(double at_s, const std::stop_token& stop = {});
-  /// Waits until all places are found.
+  /// Waits until the thread that finds places has ended.
   void wait();
 
  private:
@@ -47,8 +47,8 @@ class MatchMoments {
   const std::shared_ptr<const MatchLogIndex> index_;
   const std::uint64_t max_bytes_;
   MatchLogReader reader_;
-  std::optional<Json> field_;       // null: the log's beginning has none
-  std::unique_ptr<Places> places_;  // null: the index has enough
+  std::optional<Json> field_;       // null: no geometry at the log's beginning
+  std::unique_ptr<Places> places_;  // null: the index has enough points
 };
 
 }  // namespace sslv

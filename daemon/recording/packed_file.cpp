@@ -93,7 +93,7 @@ class PackedFile::State {
     file_ = -1;
   }
 
-  /// Bytes of the file as they are; 0 at its end.
+  /// Reads bytes of the file without unpacking; 0 at its end, or after an error.
   std::size_t read_file(void* out, std::size_t size) {
     ssize_t count;
     do count = ::pread(file_, out, size, static_cast<off_t>(input_place_));
@@ -133,7 +133,7 @@ class PackedFile::State {
     }
   }
 
-  /// If zlib stands between two blocks of a member.
+  /// Notes a place if zlib is between two blocks of a member, far enough after the last noted place.
   void note_place(std::uint64_t offset) {
     constexpr int kAfterBlock = 128, kInLastBlock = 64, kUnusedBits = 7;
     if ((zlib_.data_type & kAfterBlock) == 0 || (zlib_.data_type & kInLastBlock) != 0 ||
@@ -148,7 +148,7 @@ class PackedFile::State {
     noted_offset_ = offset;
   }
 
-  /// Where in the file the next byte is that zlib takes.
+  /// File offset of the next byte that zlib will consume.
   std::uint64_t taken() const { return input_place_ - zlib_.avail_in; }
 
   std::size_t unpack(std::span<std::byte> out) {
@@ -158,7 +158,7 @@ class PackedFile::State {
     while (zlib_.avail_out > 0 && !is_at_end_) {
       if (!fill()) {
         is_at_end_ = true;
-        // Between two members a file may end.
+        // A file may end between two members.
         if (problem_.empty() && taken() != place_.file_offset) problem_ = kCutOff;
         break;
       }
@@ -169,7 +169,7 @@ class PackedFile::State {
         is_raw_ = false;
         inflateReset2(&zlib_, kGzipOnly);
         place_ = {taken(), offset_ + done()};
-        // What follows the last member is no part of it (gzip pads with zeros on tapes).
+        // Ignore data after the last member (gzip pads with zeros on tapes).
         if (!fill() || *zlib_.next_in != 0x1f) is_at_end_ = true;
       } else if (result != Z_OK && result != Z_BUF_ERROR) {
         is_at_end_ = true;
@@ -182,10 +182,10 @@ class PackedFile::State {
   int file_ = -1;
   z_stream zlib_{};
   std::vector<Bytef> input_;
-  std::uint64_t input_place_ = 0;  // of the byte behind input_
+  std::uint64_t input_place_ = 0;  // file offset just after input_
   bool is_at_end_ = false;
-  bool is_raw_ = false;             // within a member whose head zlib has not seen
-  std::uint64_t noted_offset_ = 0;  // of the last place that was noted
+  bool is_raw_ = false;             // resumed within a member: zlib did not read the member's header
+  std::uint64_t noted_offset_ = 0;  // unpacked bytes before the last noted place
 };
 
 PackedFile::PackedFile(const std::filesystem::path& path) : state_(std::make_unique<State>(path)) {}

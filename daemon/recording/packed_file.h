@@ -11,23 +11,22 @@
 
 namespace sslv {
 
-/// A place of a packed file at which reading may begin.
+/// A place in a file at which reading can start.
 struct UnpackPlace {
-  std::uint64_t file_offset = 0;  // of a gzip member; of the byte itself where the file is not packed
-  std::uint64_t offset = 0;       // of the first byte that comes of it
+  std::uint64_t file_offset = 0;  // a gzip member begins there; equals `offset` if the file is not packed
+  std::uint64_t offset = 0;       // unpacked bytes before the place
 
   bool operator==(const UnpackPlace&) const = default;
 };
 
-/// A place within a gzip member, at which reading can go on with what deflate remembers there.
+/// A place within a gzip member, at which inflating can resume with deflate's window.
 struct MemberPlace {
-  UnpackPlace place;  // file_offset: of the first byte that is not used up
-  int bits = 0;       // of the byte before it that are not used up
+  UnpackPlace place;  // file_offset: first byte that is not consumed at all
+  int bits = 0;       // number of bits of the byte before it that are not consumed
   std::vector<unsigned char> window{};
 };
 
-/// Reads a file from its beginning or from a place; unpacks it where it is gzip, all members one after the
-/// other.
+/// Reads a file from its beginning or from a place; unpacks all members of a gzip file in order.
 class PackedFile {
  public:
   /// Throws StorageError for a file that cannot be opened.
@@ -36,26 +35,28 @@ class PackedFile {
 
   bool is_packed() const;
 
-  /// Fills `out`; fewer bytes only where the file ends, or cannot be read on: problem() says why then.
+  /// Fills `out` and returns the number of bytes: fewer only if the file ends, or if the rest cannot be read;
+  /// problem() then has the reason.
   std::size_t read(std::span<std::byte> out);
 
-  /// Unpacked bytes before the next one that read() gives.
+  /// Number of unpacked bytes before the first byte that the next read() returns.
   std::uint64_t offset() const;
-  /// The last place before it, or at it, at which reading may begin.
+  /// The last place at or before offset() at which reading can start.
   UnpackPlace place() const;
-  /// Goes on reading there.
+  /// The next read() starts at this place.
   void go_to(const UnpackPlace& place);
   void go_to(const MemberPlace& place);
 
-  /// From now on reading a packed file notes places within members, so many unpacked bytes apart or more.
+  /// From now on, reading a packed file notes places within members, at least `every_bytes` unpacked bytes
+  /// apart.
   void note_places(std::uint64_t every_bytes);
-  /// Those that were noted since it was asked last. None lies behind offset().
+  /// Returns the places noted since the last call; all of them are at or before offset().
   std::vector<MemberPlace> take_places();
 
   /// problem() of a packed file that ends within a member.
   static constexpr const char* kCutOff = "is cut off";
 
-  /// Why nothing more can be read before the file's end; empty when it ended as it should.
+  /// Why reading stopped before the file's end; empty if it did not.
   const std::string& problem() const;
 
  private:

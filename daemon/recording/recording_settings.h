@@ -8,7 +8,7 @@
 
 namespace sslv {
 
-/// What of the cameras' last seconds is kept in memory.
+/// The memory of the cameras' newest images: the ring buffers from which clips are made.
 struct LastSecondsSettings {
   enum class Images { kWhole, kEveryNth };
 
@@ -16,7 +16,7 @@ struct LastSecondsSettings {
   Images images = Images::kWhole;
   int every_nth = 4;
 
-  /// One image of so many is kept.
+  /// Every n-th image is kept; returns n.
   int kept_every() const { return images == Images::kEveryNth ? every_nth : 1; }
 
   static constexpr auto fields() {
@@ -33,7 +33,7 @@ struct LastSecondsSettings {
   }
 };
 
-/// How long clips are, and what makes some besides people.
+/// The length of clips, and the events that save one automatically.
 struct ClipSettings {
   double seconds = 10, seconds_after = 2;
   bool on_alert = false, on_goal = false, on_command = false, on_crash = true;
@@ -53,7 +53,7 @@ struct ClipSettings {
   }
 };
 
-/// Which matches are recorded, and how much room recordings may take.
+/// Settings for match logs, disk space, the ring buffers and clips.
 struct RecordingSettings {
   enum class MatchLogs { kByGameController, kByHand };
 

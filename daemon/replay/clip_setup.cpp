@@ -16,7 +16,7 @@
 namespace sslv {
 namespace {
 
-/// Leaves out what does not run, because its library is not there: it had no part in what was found.
+/// Removes stages that do not run because their library is missing: they did not affect the detections.
 template <class Part, class Table>
 void keep_running(Part& part, const Table& table) {
   part.stack = part.running.stages;
@@ -32,18 +32,17 @@ const LabelSet& labels_of(const CameraContext& context) {
   return context.labels ? *context.labels : LabelSet::built_in();
 }
 
-/// A colour table, and where it is from.
 struct SetupTable {
-  std::shared_ptr<const Lut> lut;  // null: that of the settings
-  /// It was used live: one that followed the light has not the bits of the settings.
+  std::shared_ptr<const Lut> lut;  // null: the settings' table
+  /// Whether `lut` was used live. It may then be adapted to the light and differ from the settings' table.
   bool is_live = false;
 };
 
-/// What a clip's setup says, checked.
+/// A clip's setup, validated.
 struct SetupParts {
   Config config;  // with one camera
   SetupTable table;
-  std::shared_ptr<const PatternTable> patterns;  // null: the league's
+  std::shared_ptr<const PatternTable> patterns;  // null: the league's patterns
   std::array<double, 2> robot_height_mm{};
 };
 
@@ -63,7 +62,7 @@ Config config_in(const Json& about, int camera_id) {
   if (!about.is_object() || !about.contains("settings") || !about.at("settings").is_object())
     throw SettingsError("/settings: is missing; expected an object");
   Json tree = up_to_date(about.at("settings"), settings_migrations());
-  // Nothing is opened, and this program may have been built without the camera's backend.
+  // No source is opened, and this program may have been built without the camera's backend.
   if (tree.contains("cameras") && tree["cameras"].is_array()) {
     for (Json& camera : tree["cameras"])
       if (camera.is_object()) camera.erase("source");
@@ -75,7 +74,7 @@ Config config_in(const Json& about, int camera_id) {
 }
 
 SetupParts parts_of(const ClipSetup& clip, const std::string& path) {
-  // The settings' own messages begin with a place in them.
+  // Messages about the settings begin with a place in the settings; put `path` before it.
   const auto named = [&](const auto& read) {
     try {
       return read();
@@ -93,7 +92,7 @@ SetupParts parts_of(const ClipSetup& clip, const std::string& path) {
     out.patterns = std::make_shared<const PatternTable>(
         parse_patterns(text.get<std::string>(), path + ": /patterns", labels));
   } else {
-    // Without its text the file is not read either: it may be another one by now.
+    // The clip does not have the file's text. Do not read the file: it may have changed since.
     out.config.patterns_file.clear();
   }
   if (!clip.table.empty()) {
@@ -104,7 +103,7 @@ SetupParts parts_of(const ClipSetup& clip, const std::string& path) {
   return out;
 }
 
-/// `i`: the camera's place in the settings' list.
+/// `i`: index in config.cameras.
 CameraSetup make_clip_setup(const Config& config, std::size_t i, const SetupTable& table,
                             std::shared_ptr<const PatternTable> patterns,
                             const std::array<double, 2>& robot_height_mm,
@@ -151,7 +150,7 @@ ClipSetup clip_setup(const Config& config, std::size_t i, const CameraSetup& set
   out.about = {{"settings", std::move(settings)},
                {"robot_height_mm", context.scene->robot_height_mm},
                {"patterns", nullptr}};
-  // The table itself, not its file: that may have changed since it was read.
+  // Store the patterns in use, not the file's content: the file may have changed since it was read.
   if (!config.patterns_file.empty())
     out.about["patterns"] = patterns_text(*context.patterns, labels_of(context));
   const std::vector<std::uint8_t> table = lut_file_bytes(*context.adapted_lut, labels_of(context));

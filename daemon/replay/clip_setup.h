@@ -11,26 +11,27 @@
 
 namespace sslv {
 
-/// What the camera at place `i` of the list runs with, for a clip. The colour table is always there, whatever
-/// file or service the settings have it from; of stages, those that run.
+/// The setup of `config.cameras[i]` for a clip. It always contains the colour table itself, no matter from
+/// which file or service the settings load it, and contains only the stages that run.
 ClipSetup clip_setup(const Config& config, std::size_t i, const CameraSetup& setup);
 
-/// The same the other way round, for any program. `pipeline`: the one before, which is kept with what its
-/// stages remember when the stack is the same; null: none. Throws SettingsError, beginning with `path`.
+/// The inverse of clip_setup(), also for programs built without the camera's backend. `pipeline`: the
+/// previous pipeline, reused with its stages' state if the stack is the same; null: there is none. Throws
+/// SettingsError, beginning with `path`.
 CameraSetup setup_of(const ClipSetup& clip, std::shared_ptr<Pipeline> pipeline, const std::string& path);
 
-/// What frames are processed with instead of what they were processed with live.
+/// Replacements for parts of the setup with which frames were processed live.
 struct OtherSetup {
-  /// Settings with a camera of the same id; null: those of the clip. Where their colours are the clip's,
-  /// the table is the clip's too, in the light of that moment; likewise for a team whose height the game
-  /// controller told.
+  /// Settings with a camera of the same id; null: the clip's settings. If the colour settings equal the
+  /// clip's, the clip's colour table is used, as adapted to the light of that moment. With
+  /// height_from_referee, a robot height that the game controller sent live is kept, too.
   std::shared_ptr<const Config> settings{};
-  std::string path{};                  // what messages call them
-  std::shared_ptr<const Lut> table{};  // null: that of the settings
+  std::string path{};                  // name of the settings in messages
+  std::shared_ptr<const Lut> table{};  // null: the settings' table
 };
 
-/// Those for frames that had the setup `clip` live. Throws as setup_of() does, and for settings without such
-/// a camera; what is wrong with `other` begins with its path.
+/// The setup for frames that had the setup `clip` live. Throws like setup_of(), and SettingsError for
+/// settings without that camera; messages about `other` begin with its path.
 CameraSetup setup_with(const OtherSetup& other, const ClipSetup& clip, std::shared_ptr<Pipeline> pipeline,
                        const std::string& path);
 

@@ -43,7 +43,7 @@ std::vector<FoundThing> balls_in(const SSL_WrapperPacket& packet) {
   return out;
 }
 
-/// One frame's things of a kind.
+/// Compares the robots, or the balls, of one frame.
 class ThingMatcher {
  public:
   ThingMatcher(std::vector<FoundThing> before, std::vector<FoundThing> after, const CompareLimits& limits,
@@ -75,7 +75,7 @@ class ThingMatcher {
     double distance_mm;
   };
 
-  /// Each at most once, the nearest pairs first.
+  /// Associates the nearest pairs first, each thing at most once.
   template <class MayBeSame>
   void match(MayBeSame may_be_same) {
     std::vector<Pair> pairs;

@@ -13,21 +13,21 @@
 
 namespace sslv {
 
-/// From when on something counts as moved.
+/// Larger differences count as moved.
 struct CompareLimits {
   double moved_mm = 1;
   double turned_deg = 1;
 };
 
-/// What one run found and another did not, or elsewhere.
+/// A robot or ball that only one run found, or that differs between the runs.
 struct ClipDifference {
   enum class Kind { kFound, kLost, kMoved, kIdChanged };
   Kind kind{};
   std::optional<Team> team{};         // none: a ball
-  int id_before = -1, id_after = -1;  // of a robot, where it is there
-  double x_mm = 0, y_mm = 0;          // after; of what is lost, before
+  int id_before = -1, id_after = -1;  // a robot's ids; -1: none
+  double x_mm = 0, y_mm = 0;          // in the run "after"; in "before" if lost
   double moved_mm = 0, turned_deg = 0;
-  double pixel_x = 0, pixel_y = 0;  // in the image, as x_mm and y_mm
+  double pixel_x = 0, pixel_y = 0;  // in the image, from the same run as x_mm
 };
 
 /// A frame in which the two runs differ.
@@ -39,12 +39,12 @@ struct FrameDifferences {
 };
 
 struct DifferenceCounts {
-  std::uint64_t before = 0, after = 0;  // seen in all frames together
+  std::uint64_t before = 0, after = 0;  // number of detections in all frames together
   std::uint64_t found = 0, lost = 0, moved = 0, id_changed = 0;
-  double max_moved_mm = 0, max_turned_deg = 0;  // of all, also below the limits
+  double max_moved_mm = 0, max_turned_deg = 0;  // including differences below the limits
 };
 
-/// Two runs over the same frames, told by the packets they send: "before" and "after".
+/// Compares the packets of two runs over the same frames, "before" and "after".
 class ClipComparison {
  public:
   /// Frames that differ are kept up to this number; all are counted.
@@ -52,14 +52,14 @@ class ClipComparison {
 
   explicit ClipComparison(const CompareLimits& limits = {}) : limits_(limits) {}
 
-  /// Both of one frame. Robots belong together by team and id within 100 mm, then by team to the nearest
-  /// within it; balls to the nearest within it. An empty packet, or one that is none, counts as one without
-  /// anything.
+  /// Adds both packets of one frame. Robots are associated by team and id first, and the remaining robots by
+  /// team; balls by position. In each step, the nearest pairs are associated first, up to 100 mm. An empty or
+  /// invalid packet counts as a packet without robots and balls.
   void add(std::span<const std::byte> before, std::span<const std::byte> after);
 
   std::uint64_t frames() const { return frames_; }
   std::uint64_t frames_with_other_bytes() const { return frames_with_other_bytes_; }
-  /// Those with differences above the limits.
+  /// Frames with any ClipDifference.
   std::uint64_t frames_that_differ() const { return frames_that_differ_; }
   const DifferenceCounts& robots() const { return robots_; }
   const DifferenceCounts& balls() const { return balls_; }
@@ -70,12 +70,12 @@ class ClipComparison {
   std::uint64_t frames_ = 0, frames_with_other_bytes_ = 0, frames_that_differ_ = 0;
   DifferenceCounts robots_, balls_;
   std::vector<FrameDifferences> kept_;
-  SSL_WrapperPacket before_, after_;  // kept for their memory
+  SSL_WrapperPacket before_, after_;  // kept to reuse their memory
 };
 
 /// {"frames", "frames_with_other_bytes", "frames_that_differ", "robots": {...counts}, "balls": {...},
 /// "differences": [{"frame", "t_capture", "what": [{"kind": "found" | "lost" | "moved" | "id_changed",
-/// "team", "id", "id_before", "x", "y", "moved_mm", "turned_deg"}]}]}; a ball has no team and ids.
+/// "team", "id", "id_before", "x", "y", "moved_mm", "turned_deg"}]}]}; a ball has no team and no ids.
 Json comparison_json(const ClipComparison& comparison);
 
 }  // namespace sslv

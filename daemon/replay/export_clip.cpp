@@ -46,10 +46,10 @@ void make_export_folder(const std::filesystem::path& folder) {
   if (!is_empty) throw StorageError(fmt::format("{}: is not empty; expected a new folder", folder.string()));
 }
 
-/// A copy of an image in which some of it is black.
+/// A copy of an image with some parts blackened.
 class BlackedImage {
  public:
-  /// All rows one after the other; nothing of what the driver had between them.
+  /// Copies the rows without the driver's padding between them. The view is valid until the next call.
   const ImageView& copy(const ImageView& image) {
     const auto row_bytes = static_cast<std::size_t>(image.width * bytes_per_pixel(image.format));
     bytes_.resize(row_bytes * static_cast<std::size_t>(image.height));
@@ -62,7 +62,7 @@ class BlackedImage {
     return view_;
   }
 
-  /// What `view` leaves out, and what lies beyond the image that it was made for.
+  /// Blackens everything that `view` hides, and everything outside the image size that it was made for.
   void blacken(const FieldView& view) {
     for (const PixelRectangle& hidden : hidden_by(view)) blacken(hidden);
     const int below_px = static_cast<int>(view.bands.size()) * FieldView::kBandPx;
@@ -73,7 +73,7 @@ class BlackedImage {
   std::string_view bytes() const { return text_of(bytes_); }
 
  private:
-  /// Pairs and quads of pixels are never cut: bands are of an even size.
+  /// Never splits pairs (YUV 4:2:2) or quads (Bayer) of pixels, since the size of bands is even.
   void blacken(const PixelRectangle& hidden) {
     const int pixel_bytes = bytes_per_pixel(view_.format);
     const int left = std::clamp(hidden.left_px, 0, view_.width);
@@ -93,7 +93,7 @@ class BlackedImage {
   ImageView view_;
 };
 
-/// The field's lines with what may be shown around them, whatever its boundary is.
+/// The view of the field up to kShownOutsideMm outside its lines, regardless of the boundary width.
 FieldView shown_view(const Scene& scene) {
   Scene with_margin = scene;
   with_margin.field.boundary_width = kShownOutsideMm;
@@ -104,7 +104,7 @@ FieldView shown_view(const Scene& scene) {
 /// Left, top, width and height in px.
 using PixelBox = std::array<double, 4>;
 
-/// The box around points of the image, as far as it lies in it.
+/// Bounding box of projected points, clipped to the image.
 class BoxMaker {
  public:
   explicit BoxMaker(const CameraModel& camera) : camera_(camera) {}
@@ -120,7 +120,7 @@ class BoxMaker {
       high_ = high_.cwiseMax(*pixel);
     }
   }
-  /// A pixel's middle is a whole number in our images; COCO's boxes begin at its edge.
+  /// Our pixel centres have integer coordinates; COCO's boxes begin at a pixel's edge.
   PixelBox box(const ImageView& image) const {
     constexpr double kEdge = 0.5;
     const double left = std::clamp(low_.x() + kEdge, 0.0, 1.0 * image.width);
@@ -144,7 +144,7 @@ PixelBox robot_box(const Scene& scene, const Robot& robot, double radius_mm, con
 PixelBox ball_box(const Scene& scene, const Ball& ball, const ImageView& image) {
   const double radius_mm = scene.field.ball_radius;
   const Eigen::Vector3d middle_mm(ball.x_mm, ball.y_mm, radius_mm);
-  // The outline is a circle across the line of sight, as good as exactly from so far away.
+  // At this distance the outline is nearly a circle perpendicular to the line of sight.
   const Eigen::Vector3d sight = (middle_mm - scene.camera->position_mm()).normalized();
   const Eigen::Vector3d across = sight.unitOrthogonal();
   BoxMaker box(*scene.camera);
@@ -211,7 +211,7 @@ ExportedCamera export_camera(ClipReader& clip, std::uint32_t camera_id, const Ex
   ExportedCamera out{camera_id};
   ClipReplay replay(clip, camera_id, options.span);
   BlackedImage picture;
-  std::shared_ptr<const Scene> view_scene;  // that `view` was made for
+  std::shared_ptr<const Scene> view_scene;  // the scene for which `view` was made
   FieldView view;
   CocoFile coco;
   std::string truth;

@@ -13,36 +13,37 @@ namespace sslv {
 
 enum class ExportFormat : std::uint8_t {
   kPng,  // RGB
-  kRaw,  // the camera's bytes, row after row; of more than 8 bits a sample the upper ones
+  kRaw,  // the camera's bytes, row by row; the upper 8 bits of larger samples
 };
 
 struct ExportOptions {
-  std::filesystem::path folder;  // made; must be empty if it is there
+  std::filesystem::path folder;  // created; must be empty if it exists
   ExportFormat format = ExportFormat::kPng;
   std::optional<std::uint32_t> camera_id{};  // none: every camera of the clip
   ClipSpan span{};
   bool with_coco = false;
-  /// Everything is black that shows neither ground up to 300 mm outside the field's lines nor robots that
-  /// stand there.
+  /// Blackens everything except the ground up to 300 mm outside the field's lines, and robots that stand
+  /// there.
   bool is_anonymous = false;
 };
 
-/// What was written for one camera.
 struct ExportedCamera {
   std::uint32_t camera_id = 0;
   std::uint64_t frames = 0, robots = 0, balls = 0;
-  std::vector<std::string> doubts{};  // why what was found may not be what was found live
+  std::vector<std::string> doubts{};  // why detections may differ from the live ones
 };
 
-/// Writes a folder for each camera, camera_0 and so on: its frames, frame_000042.png or .raw by their
-/// numbers; truth.jsonl, a line of what was found in each frame, which nobody has checked yet (as
-/// `ssl-visionctl score` and `annotate` read it, with "t", the capture time in Unix s); frames.json (as
-/// `simulate` writes it); and coco.json (COCO's object detection: images, annotations, categories). Throws
-/// ClipError, SettingsError, StorageError, the last also where a frame's camera is not calibrated and
-/// is_anonymous is asked for.
+/// Writes a folder for each camera (camera_0 and so on) that holds:
+/// - its frames by number, frame_000042.png or .raw;
+/// - truth.jsonl, a line with the unchecked detections of each frame (as `ssl-visionctl score` and `annotate`
+///   read it, with "t", the capture time in Unix s);
+/// - frames.json (as `simulate` writes it);
+/// - with_coco: coco.json (COCO's object detection: images, annotations, categories).
+/// Throws ClipError, SettingsError and StorageError; StorageError also if is_anonymous is set and a frame's
+/// camera is not calibrated.
 std::vector<ExportedCamera> export_clip(ClipReader& clip, const ExportOptions& options);
 
-/// "frame_000042": how exported frames are called, and lines about them.
+/// "frame_000042": the name of a frame in names of exported files, and in JSON lines about the frame.
 std::string clip_frame_name(std::uint32_t number);
 
 }  // namespace sslv

@@ -17,7 +17,7 @@ void add_number(std::uint32_t value, std::vector<std::uint8_t>& out) {
   for (int shift = 24; shift >= 0; shift -= 8) out.push_back(static_cast<std::uint8_t>(value >> shift));
 }
 
-/// Length, type, data and the CRC of the last two (PNG specification, 5.3).
+/// Appends length, type, data and the CRC of type and data (PNG specification, 5.3).
 void add_chunk(const std::array<char, 4>& type, std::span<const std::uint8_t> data,
                std::vector<std::uint8_t>& out) {
   add_number(static_cast<std::uint32_t>(data.size()), out);
@@ -28,8 +28,8 @@ void add_chunk(const std::array<char, 4>& type, std::span<const std::uint8_t> da
   add_number(static_cast<std::uint32_t>(crc), out);
 }
 
-/// Each row begins with its filter's number; "sub" (each sample less the one of the pixel before) makes
-/// camera images a third smaller than none.
+/// Each row begins with its filter type. "Sub" (the difference to the previous pixel) makes camera images a
+/// third smaller than no filter.
 std::vector<std::uint8_t> filtered_rows(const ImageView& image) {
   constexpr std::uint8_t kSub = 1;
   std::vector<std::uint8_t> rows;
@@ -52,7 +52,7 @@ std::vector<std::uint8_t> filtered_rows(const ImageView& image) {
 
 std::vector<std::uint8_t> png_file(const ImageView& image) {
   constexpr std::array<std::uint8_t, 8> kSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
-  constexpr int kLevel = 3;  // noise does not get smaller at higher ones
+  constexpr int kLevel = 3;  // higher levels do not make noise smaller
   const std::vector<std::uint8_t> rows = filtered_rows(image);
   uLongf packed_bytes = compressBound(static_cast<uLong>(rows.size()));
   std::vector<std::uint8_t> packed(packed_bytes);
@@ -65,7 +65,7 @@ std::vector<std::uint8_t> png_file(const ImageView& image) {
   add_number(static_cast<std::uint32_t>(image.width), head);
   add_number(static_cast<std::uint32_t>(image.height), head);
   head.insert(head.end(),
-              {8, 2, 0, 0, 0});  // bits, RGB, and the only ways there are to pack, filter, not interlaced
+              {8, 2, 0, 0, 0});  // bits, RGB, the only compression and filter methods, not interlaced
   add_chunk({'I', 'H', 'D', 'R'}, head, out);
   add_chunk({'I', 'D', 'A', 'T'}, packed, out);
   add_chunk({'I', 'E', 'N', 'D'}, {}, out);

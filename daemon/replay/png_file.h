@@ -8,9 +8,8 @@
 
 namespace sslv {
 
-/// The image as a PNG file (RGB, 8 bits a sample) of every pixel as rgb_at() has it: without loss for RGB,
-/// BGR and mono. Of more than 8 bits the upper ones. Throws std::runtime_error when there is no memory for
-/// it.
+/// Encodes the image as a PNG file (RGB, 8 bits a sample) with each pixel from rgb_at(): lossless for RGB,
+/// BGR and mono; the upper 8 bits of larger samples. Throws std::runtime_error if memory is short.
 std::vector<std::uint8_t> png_file(const ImageView& image);
 
 }  // namespace sslv

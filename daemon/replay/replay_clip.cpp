@@ -11,11 +11,11 @@
 
 namespace sslv {
 
-/// Makes the packet of a frame, as DetectionSender does, and keeps it.
+/// Makes and keeps a frame's packet, like DetectionSender.
 struct ClipReplay::Sink : DetectionSink {
   Sink() { buffer.reserve(kMaxDatagramBytes); }
 
-  /// Of the live packet; the frame's own time where there was none.
+  /// Sets t_sent_s from the live packet, or from the capture time if there is none.
   void begin(const ClipFrame& recorded) {
     packet = {};
     t_sent_s = recorded.info.times.t_capture_s;
@@ -58,7 +58,7 @@ ClipReplay::ClipReplay(ClipReader& clip, std::uint32_t camera_id, const ClipSpan
   const double begin_s = entries.empty() ? 0 : entries.front().t_capture_s;
   from_s_ = span.from_s > 0 ? begin_s + span.from_s : -std::numeric_limits<double>::infinity();
   to_s_ = span.to_s ? begin_s + *span.to_s : std::numeric_limits<double>::infinity();
-  // From the last place at which the stages can begin as they stood.
+  // Start at the last frame, up to the span's begin, for which the clip has the stages' state.
   for (std::size_t i = 0; i < camera_.frames.size(); ++i) {
     const ClipReader::Entry& entry = entries[camera_.frames[i]];
     if (entry.has_memory && entry.t_capture_s <= from_s_) next_ = i;
@@ -113,7 +113,7 @@ void ClipReplay::follow_memory(const ClipFrame& recorded) {
   const bool is_gap = !is_first && number != *last_number_ + 1;
   last_number_ = number;
   if (is_first) {
-    memory_is_live_ = number == 0;  // the camera's first frame: there is nothing to remember yet
+    memory_is_live_ = number == 0;  // the camera's first frame: the stages have no state yet
   } else if (is_gap) {
     memory_is_live_ = false;
   }

@@ -16,45 +16,46 @@
 
 namespace sslv {
 
-/// Which frames of a clip, in s since its first one.
+/// A time span of a clip, in s since its first frame.
 struct ClipSpan {
   double from_s = 0;
   std::optional<double> to_s{};  // none: to its end
 };
 
-/// One camera's frames of a clip through the stack once more: as the live run did, or with other settings. In
-/// this thread, as fast as it goes. Stages begin with what they remembered live, where the clip has it; so
-/// frames before the span are processed from there on, too.
+/// Processes one camera's frames of a clip again, with the live setup or another one, in the calling thread
+/// and as fast as possible. Stages start from the last live state in the clip before the span, or else at the
+/// clip's beginning; the frames from there to the span are processed, too.
 class ClipReplay {
  public:
   struct Result {
-    std::size_t place = 0;                // in ClipReader::entries()
-    const ClipFrame* recorded = nullptr;  // its image, packet and setup
-    const Frame* frame = nullptr;         // what was found now
-    /// As it would be sent, with the time at which the live one was; empty: no stage publishes.
+    std::size_t place = 0;                // index in ClipReader::entries()
+    const ClipFrame* recorded = nullptr;  // the live image, packet and setup
+    const Frame* frame = nullptr;         // with the new detections
+    /// The packet as it would be sent, with the live packet's t_sent; empty: no stage publishes.
     std::span<const std::byte> packet{};
-    /// The stages remembered what they did live, and the image is the whole one: with the clip's own settings
-    /// the packet is the live one, byte for byte.
+    /// Whether the frame is reproducible: the stages had their live state, the image is complete, and the
+    /// settings are the clip's own. `packet` then equals the live packet byte for byte.
     bool is_exact = false;
   };
 
-  /// `clip` must outlive this, and nobody else reads it meanwhile. `other`: none: the clip's own settings.
-  /// Throws ClipError for a clip without this camera.
+  /// `clip` must outlive this, and must not be used for other reads meanwhile. Without `other`, uses the
+  /// clip's own settings. Throws ClipError for a clip without this camera.
   ClipReplay(ClipReader& clip, std::uint32_t camera_id, const ClipSpan& span = {},
              std::optional<OtherSetup> other = {});
   ~ClipReplay();
   ClipReplay(const ClipReplay&) = delete;
   ClipReplay& operator=(const ClipReplay&) = delete;
 
-  /// The next frame of the span, false behind the last one. All in `result` is valid until the next call.
+  /// Processes the next frame of the span; false after the last one. `result` is valid until the next call.
   /// Throws ClipError and SettingsError.
   bool next(Result& result);
 
-  /// Why frames so far were not exact, each reason once, with the first frame it holds for; empty: all were.
+  /// Why frames so far may differ from the live run, apart from `other`: each kind of reason once, with its
+  /// first frame.
   const std::vector<std::string>& doubts() const { return doubts_; }
   /// Frames processed, also those before the span.
   std::uint64_t processed() const { return processed_; }
-  /// Of the newest frame.
+  /// The setup of the newest frame.
   const CameraSetup& setup() const { return setup_; }
 
  private:
@@ -67,16 +68,16 @@ class ClipReplay {
   const ClipReader::Camera& camera_;
   const std::uint32_t camera_id_;
   std::optional<OtherSetup> other_;
-  double from_s_, to_s_;  // Unix
-  std::size_t next_ = 0;  // in camera_.frames
+  double from_s_, to_s_;  // Unix time
+  std::size_t next_ = 0;  // index in camera_.frames
   std::optional<std::uint32_t> setup_index_, last_number_;
   CameraSetup setup_;
   std::unique_ptr<Sink> sink_;
   std::unique_ptr<CameraPipeline> pipeline_;
-  bool memory_is_live_ = false;  // the stages remember what they did live
+  bool memory_is_live_ = false;  // the stages have their live state
   std::uint64_t processed_ = 0;
   std::vector<std::string> doubts_;
-  std::vector<const char*> kinds_;  // of doubts_
+  std::vector<const char*> kinds_;  // kind of each entry of doubts_
 };
 
 }  // namespace sslv

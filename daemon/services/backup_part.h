@@ -11,22 +11,22 @@ namespace sslv {
 
 struct Config;
 
-/// Files of a backup, by their names in it: those that they have in the state folder.
+/// Files of a backup, by name: each has the same name in the backup and in the state folder.
 using BackupFiles = std::map<std::string, std::string>;
 
-/// What is kept beside the settings, as a part of a backup. May be used from any thread.
+/// Data stored beside the settings, as a part of a backup. Thread-safe.
 class BackupPart {
  public:
   virtual ~BackupPart() = default;
 
-  /// As they are now, with these settings. What cannot be read is left out.
+  /// Returns the current files, for these settings. Files that cannot be read are left out.
   virtual BackupFiles files(const Config& config) const = 0;
-  /// Whether a file with this name is of this part.
+  /// Whether a file of this name belongs to this part.
   virtual bool has(const std::string& name) const = 0;
 
-  /// Reads `files`, those of a backup that it has, which are to take the place of those there are. Until what
-  /// is returned goes, settings may use what the files hold; nothing else changes before it is saved. Throws
-  /// SettingsError, beginning with the file's name.
+  /// Reads this part's files from a backup; they are to replace the current files. While the result exists,
+  /// settings may use the contents of the files; nothing else changes until the result is saved. Throws
+  /// SettingsError with a message that begins with the file's name.
   virtual std::unique_ptr<SavedWith> prepare(BackupFiles files) = 0;
 };
 

@@ -10,20 +10,20 @@
 
 namespace sslv {
 
-/// Something that was done or that happened, for the history: no problem, but what explains one.
+/// An action or an occurrence for the history. It is not a problem itself, but may explain one.
 struct Event {
-  std::string id;  // its kind: "settings_changed"
+  std::string id;  // its kind, for example "settings_changed"
   std::string title;
-  std::string who{};  // the client's address; empty: nobody did it
+  std::string who{};  // address of the client that caused it; empty: no client
   std::optional<int> camera{};
 };
 
-/// Events until they are taken. May be used from any thread.
+/// Queue of events until take() fetches them. Thread-safe.
 class EventQueue {
  public:
   static constexpr std::size_t kMax = 100;
 
-  /// The newest are left out when nobody takes them.
+  /// Drops the event if kMax events are already waiting.
   void add(Event event) {
     const std::lock_guard lock(mutex_);
     if (events_.size() < kMax) events_.push_back(std::move(event));

@@ -32,7 +32,7 @@ const char* name_of(CheckState state) {
 void HealthReport::add_as_one(std::vector<Alert> same_kind) {
   if (same_kind.empty()) return;
   Alert& first = same_kind.front();
-  first.about.clear();  // so that it stays the same alert while strangers come and go
+  first.about.clear();  // so that it stays the same alert when other senders cause it
   if (same_kind.size() > 1) first.title += fmt::format(" (and {} more)", same_kind.size() - 1);
   alerts.push_back(std::move(first));
 }

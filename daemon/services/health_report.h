@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What services say of how well things are: alerts, each with what to do, and the checks before a match.
+// Health reports of the services: alerts, each with its fix, and the checks before a match.
 
 #include "base/json.h"
 
@@ -17,53 +17,54 @@ enum class Severity { kBad, kWarn, kInfo };
 const char* name_of(Severity severity);
 
 struct Alert {
-  std::string id;     // its kind: "camera_lost"
+  std::string id;     // its kind, for example "camera_lost"
   std::string check;  // id of the check that it belongs to
   Severity severity;
   std::string title, fix;
-  std::string page{};           // of the panel, where it can be fixed; empty: not there
-  std::optional<int> camera{};  // that it is about
-  std::string about{};          // what else tells it from others of its kind: an address, say
+  std::string page{};           // page of the panel where it can be fixed; empty: none
+  std::optional<int> camera{};  // the camera it is about
+  std::string about{};          // distinguishes alerts of one kind: an address, for example
   double since_s = 0;           // Unix time; see AlertTimes
 };
 
 enum class CheckState { kPass, kWarn, kFail };
 
-/// One thing to be right before a match.
+/// A condition to be met before a match.
 struct Check {
   std::string id, title;
   CheckState state = CheckState::kPass;
-  std::string value, unit;  // the figure that says most; the unit may be empty
-  std::string text;         // what was found besides; or what is wrong
+  std::string value, unit;  // the most important figure; the unit may be empty
+  std::string text;         // further findings, or the problem
 };
 
-/// Where there is no figure.
+/// Shown if there is no figure.
 inline constexpr const char* kNoFigure = "\u2013";
 
-/// One after the other, the services add to it; the status service then finishes it. Checks are shown in the
-/// order in which they were added.
+/// Alerts and checks of all services. Each service adds its own, one after the other; the status service then
+/// calls finish(). Checks are shown in the order in which they were added.
 struct HealthReport {
   std::vector<Alert> alerts;
   std::vector<Check> checks;
-  Json* status = nullptr;           // takes keys of docs/openapi.json's Status; null: nobody asks for them
-  bool another_host_sends = false;  // a named computer sends detections too, with times of its own clock
+  Json* status = nullptr;           // receives keys of docs/openapi.json's Status; null: not requested
+  bool another_host_sends = false;  // a computer named in settings sends detections timed by its own clock
 
-  /// Alerts of one kind, as many of which strangers can cause: the first stands for all of them.
+  /// Adds alerts of one kind as a single alert, represented by the first. For kinds that unknown senders on
+  /// the network can cause in any number.
   void add_as_one(std::vector<Alert> same_kind);
 
-  /// Sorts alerts, the worst first. Each check becomes as bad as its alerts, and the worst stands in the
-  /// place of its text, unless it only informs.
+  /// Sorts the alerts, the worst first. Each check's state becomes at least as bad as its worst alert, whose
+  /// title replaces the check's text. Alerts of kInfo do not change checks.
   void finish();
 
-  /// A match may begin: no check fails.
+  /// Whether a match may begin: no check fails.
   bool is_go() const;
 };
 
-/// The title of an alert; `what`: packets, tracks. `some_leave`: to the group or to the broadcast address
-/// they do.
+/// Title of an alert. `what`: "packets" or "tracks". `some_leave`: sending still works to either the group or
+/// the broadcast address.
 std::string title_not_sent(std::string what, bool some_leave);
 
-/// As docs/openapi.json has them.
+/// As in docs/openapi.json.
 Json to_json(const Alert& alert);
 Json to_json(const Check& check);
 

@@ -3,14 +3,14 @@
 
 namespace sslv {
 
-/// Files that belong to a change of settings: both are saved, or none.
+/// Files that belong to a change of settings: both are saved, or neither.
 class SavedWith {
  public:
   virtual ~SavedWith() = default;
-  /// Before the settings are saved: whatever happens in between, what is replaced is on disk. Where it throws
-  /// StorageError, all is as it was.
+  /// Saves the files. Called before the settings are saved: if the service is killed in between, the data
+  /// that the settings replace is still on disk. If it throws StorageError, nothing has changed.
   virtual void save() = 0;
-  /// The settings could not be saved after all.
+  /// Called if the settings could not be saved after all.
   virtual void take_back() noexcept = 0;
 };
 

@@ -18,14 +18,14 @@ namespace sslv {
 struct Config;
 class MetricsText;
 
-/// Settings that are to take the place of others.
+/// The settings in effect and the settings that are to replace them.
 struct SettingsChange {
   enum class Origin {
-    kStart,      // what is missing is reported, and the service starts all the same
+    kStart,      // missing parts are reported, and the service starts anyway
     kAdminFile,  // may name files anywhere
     kNetwork,
   };
-  const Config& now;  // in effect; at start the same as `next`
+  const Config& now;  // settings in effect; at start the same as `next`
   const Config& next;
   Origin origin;
 };
@@ -34,51 +34,52 @@ struct SettingsChange {
 struct SupportFile {
   std::string name;
   std::string what;                   // for the bundle's README
-  std::function<std::string()> make;  // may throw: the bundle says that the file is missing, and why
+  std::function<std::string()> make;  // may throw; the bundle then lists the file as missing, with the reason
 };
 
-/// A recording that is wanted in the support bundle. It is too large for memory.
+/// A recording requested for the support bundle. It is too large for memory.
 struct SupportRecording {
   std::filesystem::path file;
   std::string what;  // for the bundle's README
 };
 
-/// One capability that the panel offers: it owns its state and its lock, its routes and their JSON, its
-/// alerts, checks and metrics. It takes by reference what it needs of others, never the daemon, and runs from
-/// its constructor to its destructor. All members may be called from any thread; only daemon.cpp knows all
-/// services.
+/// One capability that the panel offers. A service owns its state and its lock, its routes and their JSON,
+/// its alerts, checks and metrics. Its constructor receives references to the interfaces of other services
+/// that it needs, never to the whole daemon. It runs from its constructor to its destructor. All members are
+/// thread-safe; only daemon.cpp knows all services.
 class Service {
  public:
   virtual ~Service() = default;
 
-  /// Begins what the destructor does, and does not wait for it: all services are told before one is waited
-  /// for.
+  /// Starts stopping without waiting: the daemon asks all services before it waits for the first one to stop.
   virtual void ask_to_stop() {}
 
-  /// Rows of the route table, whose handlers live as long as this.
+  /// Rows of the route table; their handlers are valid as long as this object.
   virtual std::vector<Route> routes() { return {}; }
 
-  /// What it will do about changed settings. Has no effect and asks no device anything; at most it reads the
-  /// files that the settings name. Throws SettingsError for what cannot be done.
+  /// Plans a change of settings. Has no effect and queries no device; at most it reads the files that the
+  /// settings name. Throws SettingsError if the change is not possible.
   virtual Plan plan(const SettingsChange&) const { return {}; }
 
-  /// Adds alerts and checks, and its keys of docs/openapi.json's Status where they are asked for. What an
-  /// alert is about and a key says too comes from one reading, so that they agree.
+  /// Adds alerts and checks, and its keys of docs/openapi.json's Status if they are requested. If an alert
+  /// and a key report the same thing, both are computed from the same reading, so that they agree.
   virtual void report(HealthReport&) const {}
   /// Adds keys to docs/openapi.json's Diagnostics.
   virtual void add_diagnostics(Json&) const {}
   virtual void write_metrics(MetricsText&) const {}
   virtual std::vector<SupportFile> support_files() const { return {}; }
-  /// A clip of this name; none: it is not this service's. Throws HttpError when it cannot be had now.
+  /// Returns the clip with this name; nothing if the clip does not belong to this service. Throws HttpError
+  /// if the clip is unavailable at present.
   virtual std::optional<SupportRecording> support_clip(const std::string& /*name*/) const { return {}; }
 
-  /// Called once a second by a thread of low priority, one service after the other: for what may wait.
+  /// Called once a second by a thread of low priority, one service after the other: for work that may wait.
   virtual void each_second() {}
 
-  /// What is wrong now, as all services say; called once a second by that thread too.
+  /// Receives the current alerts of all services; called once a second by the thread of each_second().
   virtual void see_alerts(const std::vector<Alert>&) {}
 
-  /// What was done since the last call, for the history. Called by that thread too, and at the end.
+  /// Returns the events since the last call, for the history. Called by the thread of each_second(), and once
+  /// at the end.
   virtual std::vector<Event> take_events() { return {}; }
 
  protected:
@@ -86,14 +87,14 @@ class Service {
   Service(const Service&) = delete;
   Service& operator=(const Service&) = delete;
 
-  /// For what a plan does once it is carried out: making it is const.
+  /// For the functions of a plan, which change the service although making the plan is const.
   template <class S>
   static S& later(const S& service) {
     return const_cast<S&>(service);
   }
 };
 
-/// A number of the path or the query may not be larger.
+/// Limit for numbers in the path or the query.
 inline constexpr int kMaxRouteNumber = 2'147'483'647;
 
 }  // namespace sslv

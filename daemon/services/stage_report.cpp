@@ -12,9 +12,9 @@
 namespace sslv {
 namespace {
 
-/// Of a second: stages that take more of it have no time for another image.
+/// Stages that take more than this share of the time have no time for another image.
 constexpr double kBusyShare = 0.9;
-/// A single image may take as long as this many come in: a driver has buffers for some.
+/// Processing a single image may take this many image intervals, because drivers buffer some images.
 constexpr double kLongImages = 2;
 
 std::string duration_text(double ms) {
@@ -31,7 +31,7 @@ std::string settings_page(const StackFacts& facts) {
 }
 
 /// "12 robots, 1 ball".
-std::string senseless_text(const Senseless& what) {
+std::string invalid_text(const InvalidCounts& what) {
   std::string out;
   const auto add = [&](std::uint64_t count, const char* one, const char* several) {
     if (count == 0) return;
@@ -70,7 +70,7 @@ void report_stage(const StackFacts& facts, const StageFigures& stage, HealthRepo
          .check = facts.check,
          .severity = Severity::kWarn,
          .title = title_of(facts, fmt::format("{} made {} without sense in the last {} s; they were left out",
-                                              name, senseless_text(stage.left_out), StageWatch::kSeconds)),
+                                              name, invalid_text(stage.left_out), StageWatch::kSeconds)),
          .fix = "It has a fault: take it out of the stack, and tell who made it.",
          .page = settings_page(facts),
          .camera = facts.camera,

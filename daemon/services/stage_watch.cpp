@@ -8,7 +8,7 @@
 namespace sslv {
 namespace {
 
-Senseless since(const Senseless& before, const Senseless& now) {
+InvalidCounts since(const InvalidCounts& before, const InvalidCounts& now) {
   return {now.robots - before.robots, now.balls - before.balls, now.others - before.others};
 }
 
@@ -27,7 +27,8 @@ void StageWatch::look(const std::shared_ptr<BasicPipeline<Floor>>& pipeline) {
   }
   std::vector<Second> second(stack.size());
   for (std::size_t i = 0; i < stack.size(); ++i) {
-    // Counted before they are read: what comes in between is of the next second too, and none is missed.
+    // Read the count before the samples: an image that finishes in between counts for the next second too,
+    // but none is missed.
     const std::uint64_t images = pipeline->durations(i).count();
     for (const std::int64_t took_ns : pipeline->durations(i).samples_ns(seen_[i].images)) {
       const double took_ms = static_cast<double>(took_ns) * 1e-6;
@@ -35,7 +36,7 @@ void StageWatch::look(const std::shared_ptr<BasicPipeline<Floor>>& pipeline) {
       second[i].sum_ms += took_ms;
       second[i].max_ms = std::max(second[i].max_ms, took_ms);
     }
-    const Senseless left_out = pipeline->left_out(i);
+    const InvalidCounts left_out = pipeline->left_out(i);
     second[i].left_out = since(seen_[i].left_out, left_out);
     seen_[i] = {images, left_out};
     figures_[i].note = pipeline->note(i);
@@ -61,7 +62,7 @@ void StageWatch::sum_up() {
       newest += one.images;
       newest_ms += one.sum_ms;
     }
-    // A stage that takes seconds ends in few of them.
+    // A stage that takes seconds per image may have finished none in the newest seconds: use all seconds.
     if (newest == 0) {
       newest = all.images;
       newest_ms = all.sum_ms;

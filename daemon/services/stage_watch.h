@@ -2,8 +2,8 @@
 #pragma once
 
 #include "pipeline/pipeline.h"
-#include "pipeline/senseless.h"
 #include "pipeline/stage_notes.h"
+#include "pipeline/validate.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -14,37 +14,37 @@
 
 namespace sslv {
 
-/// A stage of a stack, as the last seconds were.
+/// Figures of a stage over the last seconds.
 struct StageFigures {
   std::string name;
-  std::string library{};    // name of the file that it comes from; empty: it is the service's own
-  double mean_ms = 0;       // that it takes for an image, over the newest seconds
-  double max_ms = 0;        // over all that are known
-  Senseless left_out{};     // likewise: what it made that made no sense
-  StageNotes::Note note{};  // what it has to say now
+  std::string library{};     // name of its library file; empty: the service's own stage
+  double mean_ms = 0;        // per image, over the last kNewestSeconds of StageWatch
+  double max_ms = 0;         // largest for one image, over the last kSeconds
+  InvalidCounts left_out{};  // results dropped as invalid, over the last kSeconds
+  StageNotes::Note note{};   // its current note
 };
 
-/// Looks at a stack once a second. For one thread.
+/// Measures a stack of stages once a second. For one thread only.
 class StageWatch {
  public:
   static constexpr std::size_t kSeconds = 10, kNewestSeconds = 3;
 
-  /// With another pipeline than before, it begins again.
+  /// Call it once a second. Starts over if it gets another pipeline than before.
   template <class Floor>
   void look(const std::shared_ptr<BasicPipeline<Floor>>& pipeline);
 
-  /// In the order of the stack, each with what it had to say at the last look.
+  /// In the order of the stack, each with its note at the last look().
   const std::vector<StageFigures>& figures() const { return figures_; }
 
  private:
-  struct Second {  // of a stage
+  struct Second {  // figures of a stage in one second
     std::uint64_t images = 0;
     double sum_ms = 0, max_ms = 0;
-    Senseless left_out;
+    InvalidCounts left_out;
   };
-  struct Seen {  // of a stage, up to the last look
+  struct Seen {  // state of a stage at the last look()
     std::uint64_t images = 0;
-    Senseless left_out;
+    InvalidCounts left_out;
   };
   void sum_up();
 

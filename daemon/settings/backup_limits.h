@@ -5,9 +5,9 @@
 
 namespace sslv {
 
-/// Of a backup's file, and of all that is in it: both are in memory at once.
+/// Limits of a backup file and of its unpacked content: both are in memory at once.
 inline constexpr std::size_t kMaxBackupBytes = 8 * 1024 * 1024, kMaxUnpackedBackupBytes = 16 * 1024 * 1024;
-/// Of the colour tables that are written into one: the settings' own and the newest.
+/// Limit for colour tables in a backup: tables beyond it are left out unless the settings use them.
 inline constexpr std::size_t kMaxTableBytesInBackup = 12 * 1024 * 1024;
 
 }  // namespace sslv

@@ -18,14 +18,14 @@ std::size_t depth_of(const std::string& path) {
   return static_cast<std::size_t>(std::count(path.begin(), path.end(), '/'));
 }
 
-/// A member of an operation that is text; empty when it is not there or none: nlohmann's library says so.
+/// Text member of an operation; empty if it is missing or not text, which nlohmann's library reports.
 std::string text_of(const Json& operation, const char* key) {
   const auto found = operation.is_object() ? operation.find(key) : operation.end();
   return operation.is_object() && found != operation.end() && found->is_string() ? found->get<std::string>()
                                                                                  : std::string();
 }
 
-/// What one part of a path leads to; null when there is no such thing.
+/// The child that one part of a path refers to; null if there is none.
 const Json* child(const Json& parent, std::string_view token) {
   if (parent.is_array()) {
     std::size_t i = 0;
@@ -43,11 +43,11 @@ const Json* child(const Json& parent, std::string_view token) {
   return found == parent.end() ? nullptr : &*found;
 }
 
-/// Whether a place would be in a number, a text or the like: the library asserts that it is not, or does
-/// nothing.
+/// Whether a path leads into a number, a text or another primitive value. For such a path, the library either
+/// fails an assertion or ignores the operation.
 bool is_in_primitive(const Json& document, std::string_view path) {
   for (const Json* at = &document; at != nullptr && path.starts_with('/');) {
-    if (at->is_primitive()) return !at->is_null();  // what is added to null makes it an object
+    if (at->is_primitive()) return !at->is_null();  // adding to null makes it an object
     const std::string_view token = path.substr(1, path.find('/', 1) - 1);
     path.remove_prefix(1 + token.size());
     at = child(*at, token);
@@ -55,8 +55,8 @@ bool is_in_primitive(const Json& document, std::string_view path) {
   return false;
 }
 
-/// Keys that may be looked through on the way to a place, as objects keep the order of theirs, and elements
-/// beside it, which may have to move.
+/// Number of keys and elements along a path: objects keep the order of their keys, so all keys may be
+/// searched, and the elements of a list may have to move.
 std::size_t work_on_the_way(const Json& document, std::string_view path) {
   std::size_t work = 0;
   for (const Json* at = &document; at != nullptr && at->is_structured() && path.starts_with('/');) {
@@ -77,11 +77,11 @@ Json apply_patch(Json document, const Json& patch, const PatchLimits& limits) {
   try {
     if (patch.is_array() && patch.size() > limits.operations) refuse("more operations", limits.operations);
     std::size_t size = extent_of(document, limits.size).size, work = 0;
-    if (!patch.is_array()) document.patch_inplace(patch);  // it says what is wrong
+    if (!patch.is_array()) document.patch_inplace(patch);  // throws with the reason
     for (const Json& operation : patch) {
       const std::string op = text_of(operation, "op"), path = text_of(operation, "path"),
                         from = text_of(operation, "from");
-      const Json* value = nullptr;  // that is read or moved
+      const Json* value = nullptr;  // the value that the operation reads or moves
       const bool value_is_elsewhere = op == "copy" || op == "move";
       if (value_is_elsewhere) {
         const Json::json_pointer place(from);
@@ -94,7 +94,7 @@ Json apply_patch(Json document, const Json& patch, const PatchLimits& limits) {
               (value_is_elsewhere ? work_on_the_way(document, from) : 0);
       if (op != "test" && op != "remove") {
         if (depth_of(path) + extent.depth > limits.depth) refuse("values nested deeper", limits.depth);
-        // What is replaced or moved away is not taken off until the sum is too much.
+        // Replaced or moved values are not subtracted until the sum exceeds the limit.
         size += extent.size + path.size();
         if (size > limits.size) {
           work += limits.size;

@@ -18,7 +18,7 @@ Json step_patch(const char* op, const Json& path, const Json* value) {
   return out;
 }
 
-/// "/list/-" as the place that it means now; such a place can be taken back.
+/// Replaces the "-" of "/list/-" by its current index, so that the change can be reverted.
 std::string exact(const std::string& path, const Json& now) {
   if (!path.ends_with("/-")) return path;
   const std::string list = path.substr(0, path.size() - 2);
@@ -40,7 +40,8 @@ bool is_change(const Json& json) {
          json.contains("after") == !removes;
 }
 
-/// Adds what replaces the smallest parts of a tree that are equal and yet not the same.
+/// Adds a replacement for each part of a tree that compares equal but is not identical; each part is as small
+/// as possible.
 void add_exact(const Json& before, const Json& after, const Json::json_pointer& at, Json& patch) {
   const auto same_keys = [&] {
     return std::equal(before.items().begin(), before.items().end(), after.items().begin(),
@@ -138,7 +139,7 @@ void SettingsHistory::add(SettingsStep step) {
   sizes_.push_back(step.dump().size());
   bytes_ += sizes_.back();
   steps_.push_back(std::move(step));
-  // The newest stays however large it is.
+  // Keeps the newest step, however large it is.
   while (steps_.size() > 1 && (steps_.size() > kMaxSteps || bytes_ > kMaxBytes)) {
     bytes_ -= sizes_.front();
     sizes_.erase(sizes_.begin());
@@ -155,7 +156,7 @@ void SettingsHistory::join(SettingsStep step) {
       return a["op"] == "replace" && b["op"] == "replace" && a["path"] == b["path"];
     });
   };
-  const auto is_soon = [&] {  // also where the clock was set back
+  const auto is_soon = [&] {  // abs(): the clock may have been set back
     return std::abs(step["time"].get<double>() - steps_.back()["time"].get<double>()) < kLongest_s;
   };
   const bool joins = !steps_.empty() && same("who") && same("what") && replaces_same() && is_soon();

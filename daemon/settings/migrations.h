@@ -10,33 +10,35 @@
 
 namespace sslv {
 
-/// Makes a settings tree of one version into one of the next, before it is checked: a key that was renamed,
-/// say. The tree is as somebody wrote it: keys may be missing or of another type, which is to be left alone.
+/// Turns a settings tree of one version into a tree of the next version, for example by renaming a key. The
+/// tree is not validated yet: keys may be missing or have another type; leave those unchanged.
 using Migration = void (*)(Json& tree);
 
-/// At place i, from version i + 1 to version i + 2; so the newest version is one more than there are
-/// migrations, and files from before versions were counted are of version 1.
+/// Element i migrates from version i + 1 to i + 2. So the newest version is the number of migrations plus
+/// one. Files that were written before there were versions have version 1.
 using Migrations = std::vector<Migration>;
 
 inline int newest_version(const Migrations& migrations) {
   return static_cast<int>(migrations.size()) + 1;
 }
 
-/// The key of a settings file with its version, beside those of the settings.
+/// The key of the version in a settings file, beside the settings' own keys.
 inline constexpr std::string_view kVersionKey = "version";
 
-/// The version that a file says it has; 1 where it does not say. Throws SettingsError for what is no version
-/// and for one that is newer than this program.
+/// Returns a file's version; 1 if it has none. Throws SettingsError for an invalid version and for a version
+/// newer than this program's newest one.
 int version_of(const Json& file, const Migrations& migrations);
 
-/// A tree of this version as one of the newest.
+/// Returns a tree of this version, migrated to the newest version.
 Json migrated(Json tree, int version, const Migrations& migrations);
 
-/// A settings file's tree as one of the newest version, without the key that says so. Throws as version_of().
+/// Returns a settings file's tree, migrated to the newest version and without kVersionKey. Throws like
+/// version_of().
 Json up_to_date(Json file, const Migrations& migrations);
 
-/// What `check` makes of a tree from elsewhere: an import, a profile, a step of the history. One without its
-/// version is current, or of version 1 where that is refused. Throws SettingsError.
+/// Returns the result of `check` for a tree from elsewhere: an import, a profile, a step of the history. A
+/// tree without a version is checked as a tree of the newest version and, if that fails, of version 1. Throws
+/// SettingsError.
 template <class Check>
 auto check_any_version(Json tree, const Migrations& migrations, const Check& check) {
   if (tree.is_object() && tree.contains(kVersionKey)) return check(up_to_date(std::move(tree), migrations));
@@ -45,7 +47,7 @@ auto check_any_version(Json tree, const Migrations& migrations, const Check& che
   } catch (const SettingsError&) {
     try {
       return check(migrated(std::move(tree), 1, migrations));
-    } catch (const SettingsError&) {  // what was wrong with it as a current one is what counts
+    } catch (const SettingsError&) {  // report the problems found in the newest version
     }
     throw;
   }

@@ -23,7 +23,7 @@ void collect(const Json& schema, const Json& value, const std::string& path, std
         if (properties->contains(key)) collect(properties->at(key), one, path + "/" + key, out);
       }
     }
-    // Of a source's alternatives the one of its backend.
+    // Among a source's alternatives, use the alternative of its backend.
     for (const Json& one : schema.value("oneOf", Json::array())) {
       const Json::json_pointer backend("/properties/backend/const");
       if (one.contains(backend) && value.contains("backend") && one.at(backend) == value["backend"])

@@ -14,16 +14,16 @@ struct NamedFile {
   std::filesystem::path file;
 };
 
-/// All settings that name a file or folder, by the schema: strings with the format "file" (see file() of
-/// base/params.h). Empty ones name none.
+/// Returns all settings that name a file or folder: strings with the format "file" in the schema (see file()
+/// of base/params.h). Empty strings are left out.
 std::vector<NamedFile> named_files(const Json& schema, const Json& settings);
 
-/// Whether a file lies in a folder, or is it. Links are followed, and .. is resolved.
+/// Whether a file lies in a folder or is that folder. Follows links and resolves "..".
 bool lies_in(const std::filesystem::path& file, const std::filesystem::path& folder);
 
-/// Refuses files that `next` names and none of `known` trees does, unless they lie in one of `folders`: who
-/// can change settings over the network is not to read, or learn of, any other file of this computer. Throws
-/// SettingsError.
+/// Throws SettingsError for a file that `next` names but no tree in `known` names, unless the file lies in
+/// one of `folders`. Otherwise a person who can change settings over the network could read, or detect, any
+/// other file of this computer.
 void check_named_files(const Json& schema, const Json& next, const std::vector<Json>& known,
                        const std::vector<std::filesystem::path>& folders);
 

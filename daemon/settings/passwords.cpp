@@ -22,11 +22,11 @@ std::size_t place(Role role) {
   return static_cast<std::size_t>(role);
 }
 
-/// crypt(3) of a password with a hash's own method and salt, or with a new salt.
+/// crypt(3) of a password with the method and salt of a hash, or with a new salt.
 std::string crypted(const std::string& password, const std::string& salt) {
   const auto room = std::make_unique<crypt_data>();
   const char* made = crypt_r(password.c_str(), salt.c_str(), room.get());
-  // Errors are told by a text that is no hash.
+  // An error is returned as a text that is not a hash.
   if (made == nullptr || made[0] == '*') throw std::runtime_error("crypt: the password cannot be hashed");
   return made;
 }
@@ -105,7 +105,7 @@ Passwords::Hashes Passwords::hashes_in(const Json& saved, const std::string& fil
   if (!saved.is_object() || !saved.contains(name_of(Role::kAdmin))) refuse();
   for (const auto& [name, hash] : saved.items()) {
     const auto role = role_named(name);
-    // What crypt does not know would be refused at every sign-in.
+    // A hash unknown to crypt would fail at every sign-in.
     if (!role || !hash.is_string() ||
         crypt_checksalt(hash.get_ref<const std::string&>().c_str()) != CRYPT_SALT_OK)
       refuse();

@@ -15,62 +15,63 @@
 
 namespace sslv {
 
-/// Whom the panel has passwords for. An admin may do all that a viewer may.
+/// Roles that can have a password. An admin may do everything that a viewer may.
 enum class Role { kViewer, kAdmin };
 
 std::string_view name_of(Role role);
 std::optional<Role> role_named(std::string_view name);
 
-/// The panel's passwords: a JSON file with a hash (yescrypt, crypt(5)) for each role that has one, readable
-/// by the service alone. They are no settings: no export, history, profile, log or support bundle has them,
-/// and a backup only where somebody asks for it. May be used from any thread; `ssl-visionctl passwd` may
-/// change the file meanwhile.
+/// The panel's passwords: a JSON file with a hash (yescrypt, crypt(5)) for each role that has a password,
+/// readable by the service alone. Passwords are not settings: no export, history, profile, log or support
+/// bundle contains them, and a backup contains them only on request. Thread-safe; `ssl-visionctl passwd` may
+/// change the file at any time.
 class Passwords {
  public:
   static constexpr std::size_t kShortest = 8, kLongest = 200;  // bytes
-  /// The name of the file in the state folder.
+  /// File name in the state folder.
   static constexpr const char* kFileName = "passwords.json";
 
-  /// Throws SettingsError when there is such a file and it cannot be used: nobody is let in by mistake.
+  /// Throws SettingsError if the file exists and is not usable, so that nobody gets access by mistake.
   explicit Passwords(std::filesystem::path file);
 
   bool has(Role role) const { return !hash(role).empty(); }
-  /// Empty without a password. Another one means that the password was changed.
+  /// Returns the role's hash; empty without a password. A different hash means that the password changed.
   std::string hash(Role role) const;
 
-  /// Whose password this is. Takes some ten milliseconds and 16 MiB by intent.
+  /// Returns the role with this password. Deliberately takes about ten milliseconds and 16 MiB.
   std::optional<Role> role_of(const std::string& password) const;
 
-  /// On disk when it returns; none takes the role's password away. Throws SettingsError for a password that
-  /// is too short or too long, and for an admin's that is taken away while the viewers have one; StorageError
-  /// when it cannot be saved.
+  /// Sets a role's password, or removes it for nullopt. On disk on return. Throws SettingsError for a
+  /// password that is too short or too long, and if only viewers would have a password; StorageError if it
+  /// cannot be saved.
   void set(Role role, const std::optional<std::string>& password);
 
-  /// What the file holds, for a backup; empty where there is none.
+  /// The file's content, for a backup; empty if there are no passwords.
   std::string to_text() const;
-  /// Throws SettingsError, beginning with the file's name, for what is no such text.
+  /// Throws SettingsError, beginning with the file's name, if `text` is not a valid passwords file.
   static void check_text(const std::string& text);
-  /// Takes over what to_text() returned, unless there is an admin's password by now: whether it did. Throws
-  /// likewise, and StorageError when it cannot be saved.
+  /// Restores passwords from the text of a to_text(), unless an admin's password exists by now; returns
+  /// whether it restored them. Throws like check_text(), and StorageError if they cannot be saved.
   bool restore_if_none(const std::string& text);
-  /// There is none again, unless they were changed since restore_if_none(). Throws likewise.
+  /// Removes all passwords again unless they were changed since restore_if_none(restored). Throws like
+  /// restore_if_none().
   void take_back(const std::string& restored);
 
-  /// Reads the file again if it was changed. One that is gone or cannot be used changes nothing.
+  /// Reloads the file if it was changed. A file that is missing or not usable changes nothing.
   void reload_if_changed();
 
  private:
-  using Hashes = std::array<std::string, 2>;  // by role
-  struct Stamp {                              // of the file that was read
+  using Hashes = std::array<std::string, 2>;  // indexed by role
+  struct Stamp {                              // identifies the version of the file that was read
     long inode = 0, seconds = 0, nanoseconds = 0, size = 0;
     bool operator==(const Stamp&) const = default;
   };
   static Hashes read(const std::filesystem::path& file);
-  /// `file`: its name, for the text of the error.
+  /// `file`: its name, for error messages.
   static Hashes hashes_in(const Json& saved, const std::string& file);
   static Hashes hashes_in(const std::string& text);
-  // With the mutex held.
-  void put(Hashes hashes);  // on disk first
+  // To be called with mutex_ held:
+  void put(Hashes hashes);  // writes to disk first
   void read_if_changed();
   static std::optional<Stamp> stamp_of(const std::filesystem::path& file);
 

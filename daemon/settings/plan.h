@@ -9,8 +9,8 @@
 
 namespace sslv {
 
-/// Makes a change take effect that is saved. All that can fail or takes long was done before, so it cannot
-/// fail, which the compiler checks.
+/// Applies a change that is already saved. Everything that can fail or takes long was done before, so it
+/// cannot fail, which the compiler checks.
 class Apply {
  public:
   /// Nothing to do.
@@ -27,15 +27,16 @@ class Apply {
   std::function<void()> act_;
 };
 
-/// What a change of settings will do, in the order in which it is done. To make a plan has no effect and asks
-/// no device anything; a dry run ends there.
+/// The steps of a settings change, in the order of execution. Making a plan has no effect and queries no
+/// device; a dry run ends there.
 struct Plan {
-  /// Takes what belongs to the service and may not be had: threads, sockets, processes. What was taken goes
-  /// with the plan. Throws SettingsError, and nothing has changed.
+  /// Acquires resources of the service that may be unavailable: threads, sockets, processes. They are
+  /// released with the plan. Throws SettingsError; nothing has changed then.
   std::function<void()> get_ready = [] {};
-  /// Once the settings are saved; waits for no device.
+  /// Called once the settings are saved; waits for no device.
   Apply apply{};
-  /// Waits for what devices have refused of it: a line for each, beginning with its place in the settings.
+  /// Waits for the devices and returns a line for each setting that they refused, beginning with the
+  /// setting's path.
   std::function<std::vector<std::string>()> outcome = [] { return std::vector<std::string>(); };
 };
 

@@ -26,7 +26,7 @@ std::string text_of(const File& file) {
   return params_to_json(file).dump(2) + "\n";
 }
 
-/// A name must also fit between two slashes of an address.
+/// A name must also fit between two slashes of a URL.
 void check_name(const std::string& name) {
   if (is_plain_text(name) && !name.empty() && g_utf8_strlen(name.c_str(), -1) <= Profiles::kLongestName &&
       name.find('/') == std::string::npos && name.front() != '.' && name.front() != ' ' && name.back() != ' ')

@@ -16,15 +16,15 @@ namespace sslv {
 
 class StateFolder;
 
-/// Settings that were saved under a name.
+/// Settings saved under a name.
 struct Profile {
-  static constexpr std::size_t kMaxSize = 1'000'000;  // as PatchLimits has it
+  static constexpr std::size_t kMaxSize = 1'000'000;  // as in PatchLimits
 
   std::string name;
   double time_s = 0;  // Unix time when it was saved
   std::string who;    // the client's address
   Json settings = Json::object();
-  int version = 1;  // of the settings: see Migrations
+  int version = 1;  // version of the settings: see Migrations
 
   static constexpr auto fields() {
     return std::tuple{text("name", &Profile::name, "what it is called"),
@@ -35,40 +35,40 @@ struct Profile {
   }
 };
 
-/// All profiles, by name, kept in a file. May be used from several threads at once.
+/// All profiles, by name, stored in a file. Thread-safe.
 class Profiles {
  public:
   static constexpr std::size_t kMax = 32;
   static constexpr long kLongestName = 60;  // characters
 
-  /// Kept in profiles.json. A file that cannot be used is set aside (renamed *.rejected).
+  /// Stored in profiles.json. An unusable file is set aside (renamed *.rejected).
   explicit Profiles(StateFolder& folder);
 
   std::vector<Profile> all() const;
   std::optional<Profile> find(const std::string& name) const;
 
-  /// In the place of one with the same name; on disk when it returns. Throws SettingsError for a name that is
-  /// not allowed and for one too many, StorageError when it cannot be saved; nothing has changed then.
+  /// Adds a profile or replaces the profile of the same name; on disk on return. Throws SettingsError for an
+  /// invalid name and for too many profiles, StorageError if it cannot be saved; nothing has changed then.
   void save(Profile profile);
-  /// Says whether there was one. Throws StorageError.
+  /// Returns whether there was such a profile. Throws StorageError.
   bool remove(const std::string& name);
 
-  // All of them as a file of a backup.
+  // For backups, which contain all profiles as one file.
   static constexpr const char* kFileName = "profiles.json";
-  /// Nothing where there is no such file.
+  /// Returns the file's content; nothing if there are no profiles and no file.
   std::optional<std::string> to_text() const;
-  /// Throws SettingsError, beginning with the file's name.
+  /// Throws SettingsError, beginning with the file's name, if the text is invalid.
   static std::vector<Profile> from_text(const std::string& text);
-  /// Takes these for all; nothing: no file. On disk when it returns. Throws StorageError; nothing has changed
-  /// then.
+  /// Replaces all profiles; std::nullopt removes the file. On disk on return. Throws StorageError; nothing
+  /// has changed then.
   void replace(std::optional<std::vector<Profile>> profiles);
 
  private:
-  void put(std::vector<Profile> profiles);  // on disk first
+  void put(std::vector<Profile> profiles);  // writes to disk first
 
   StateFolder& folder_;
   const std::filesystem::path file_;
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards the members below
   std::vector<Profile> profiles_;
 };
 

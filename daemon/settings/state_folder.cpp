@@ -30,7 +30,7 @@ class FileDescriptor {
   FileDescriptor(const FileDescriptor&) = delete;
   FileDescriptor& operator=(const FileDescriptor&) = delete;
   int get() const { return fd_; }
-  /// False when what was written did not get through after all (network file systems tell only now).
+  /// False if data was not written after all, which network file systems report only now.
   bool close() { return ::close(std::exchange(fd_, -1)) == 0; }
 
  private:
@@ -41,7 +41,7 @@ class FileDescriptor {
   throw StorageError(fmt::format("cannot {} {}: {}", what, file.string(), std::strerror(errno)));
 }
 
-/// Removes a file at the end of its life, unless it is gone.
+/// Removes a file on destruction if it still exists.
 class Temporary {
  public:
   explicit Temporary(fs::path file) : file_(std::move(file)) {}
@@ -58,12 +58,12 @@ fs::path temporary_of(const fs::path& file) {
   return file.string() + ".new";
 }
 
-/// That a file lies in: of "here.json", the present one.
+/// The folder of a file; "." for a file name without a folder.
 fs::path folder_of(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
-/// What root makes in the service's folder must be the service's.
+/// Files that root creates in the service's folder must belong to the service.
 void give_to_owner_of(const fs::path& folder, int fd) {
   struct stat about {};
   if (::geteuid() != 0 || ::stat(folder.c_str(), &about) != 0) return;
@@ -85,15 +85,15 @@ void write_all(const fs::path& file, std::string_view content, unsigned permissi
   if (::fsync(out.get()) != 0 || !out.close()) fail("write", file);
 }
 
-/// A second name for what a file holds now: takes no room, and is there as a whole or not at all. Nothing is
-/// kept where there is no such file, or the file system has no such names.
+/// Hard-links the current content: takes no space, and `kept` is always complete. Does nothing if there is no
+/// such file or the file system has no hard links.
 void keep_as(const fs::path& file, const fs::path& kept) {
   const Temporary link(temporary_of(kept));
   ::unlink(link.file().c_str());
   if (::link(file.c_str(), link.file().c_str()) == 0) ::rename(link.file().c_str(), kept.c_str());
 }
 
-/// With an entry in its parent that a power cut leaves there.
+/// Syncs the parent, so that the new folder survives a power cut.
 void make_folder(const fs::path& path, std::error_code& error) {
   if (!fs::create_directories(path, error)) return;
   const FileDescriptor parent(::open(path.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
@@ -124,7 +124,7 @@ Json read_json_file(const fs::path& file) {
 
 void write_file_durably(const fs::path& file, std::string_view content, unsigned permissions,
                         const fs::path& previous) {
-  // Before all else: without it nothing could be promised.
+  // Opened first: without an fsync of the folder, nothing can be guaranteed.
   const FileDescriptor folder(::open(folder_of(file).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (folder.get() < 0) fail("write", temporary_of(file));
   const Temporary temporary(temporary_of(file));
@@ -136,7 +136,7 @@ void write_file_durably(const fs::path& file, std::string_view content, unsigned
   if (!previous.empty()) keep_as(file, previous);
   if (::rename(temporary.file().c_str(), file.c_str()) != 0) fail("replace", file);
   if (::fsync(folder.get()) == 0) return;
-  // Which of the two a power cut would leave nobody knows; without one it is the old.
+  // Restores the old content, but a power cut now may leave either version.
   const int error = errno;
   has_old ? ::rename(old.file().c_str(), file.c_str()) : ::unlink(file.c_str());
   errno = error;
@@ -162,7 +162,7 @@ fs::path set_aside(const fs::path& file) {
 }
 
 StateFolder::StateFolder(fs::path path) : path_(std::move(path)) {
-  std::error_code ignored;  // find_problem() tells
+  std::error_code ignored;  // find_problem() reports it
   make_folder(path_, ignored);
 }
 

@@ -15,8 +15,8 @@
 namespace sslv {
 namespace {
 
-/// Changes name the things of a list by their places. Throws SettingsError when a change of something with an
-/// "id" would meet another id: the admin has put the list into another order.
+/// Changes refer to elements of a list by index. Throws SettingsError if a change refers to an element with
+/// an "id" and the index now has another id: the admin has reordered the list.
 void check_same_ids(const Json& changes, const Json& made_on, const Json& put_on) {
   for (const Json& change : changes) {
     const std::string path = change.at("path").get<std::string>();
@@ -29,9 +29,9 @@ void check_same_ids(const Json& changes, const Json& made_on, const Json& put_on
   }
 }
 
-/// Gives `put_on` what changes are about and only the tree that they were made on has: parameters of a stage
-/// whose library is gone for now, or another version. What nobody knows is refused when the whole tree is
-/// checked.
+/// Copies values from `made_on` to `put_on` that changes refer to and that `put_on` lacks: parameters of a
+/// stage whose library is missing at present or has another version. Validation of the whole tree refuses
+/// anything unknown.
 void add_absent(const Json& changes, const Json& made_on, Json& put_on) {
   for (const Json& change : changes) {
     const std::string path = change.at("path").get<std::string>();
@@ -103,10 +103,10 @@ std::optional<SettingsStore::Version> SettingsStore::load_changes(const std::fil
     }
     const int version = version_of(saved, migrations_);
     Json changes = saved.at("changes");
-    // Before versions were counted the tree was not saved; then it is the admin's.
+    // Files that were written before there were versions lack the tree; the admin's tree is used for them.
     Json made_on = saved.value("made_on", Json());
     if (version < newest_version(migrations_)) {
-      // A patch fits only the version that it was made for.
+      // A patch fits only the version it was made for.
       if (made_on.is_null()) {
         made_on = admin_as_written;
         made_on.erase(kVersionKey);
@@ -147,7 +147,7 @@ Json SettingsStore::history() const {
 
 SettingsStore::Version SettingsStore::patch(const Json& patch, const SettingsEdit& edit,
                                             const GetReady& get_ready) {
-  // A patch may have much to do; nobody waits for that unless another edit comes in between.
+  // Applied before locking, since it may take long; repeated only if another edit intervenes.
   const Version before = current();
   std::optional<Json> patched;
   if (!edit.if_revision || *edit.if_revision == before.revision)
@@ -168,7 +168,7 @@ Json SettingsStore::check(const Json& patch, const std::function<void(const Chec
 bool SettingsStore::are_same_cameras(const SettingsStep& step) const {
   if (changes_below(step.at("changes"), {"/cameras"}).empty()) return true;
   try {
-    Json then = version_.settings;  // as the step left it
+    Json then = version_.settings;  // becomes the settings right after the step
     for (const SettingsStep& newer : history_.newer_than(step.at("revision").get<std::uint64_t>()))
       then.patch_inplace(backward_patch(newer.at("changes")));
     const auto id_at = [](const Json& tree, std::size_t i) {
@@ -180,7 +180,7 @@ bool SettingsStore::are_same_cameras(const SettingsStep& step) const {
       if (is_touched && id_at(then, i) != id_at(version_.settings, i)) return false;
     }
     return true;
-  } catch (const Json::exception&) {  // they do not fit together
+  } catch (const Json::exception&) {  // the changes do not fit the tree
     return false;
   }
 }
@@ -192,14 +192,14 @@ SettingsStore::Version SettingsStore::undo(std::uint64_t revision, const Setting
   if (step == nullptr)
     throw SettingsError(fmt::format("revision: {} is not allowed; expected one of the history", revision));
   const Json& changes = step->at("changes");
-  // What it changed is as it left it when taking it back and making it again leads here.
+  // Nobody changed the step's values again if reverting and repeating the step results in the current tree.
   const auto is_as_left = [&] {
     try {
       const Json there_and_back =
           checked(version_.settings.patch(backward_patch(changes)).patch(forward_patch(changes))).tree;
-      return Json::diff(there_and_back, version_.settings).empty();  // whatever the order of keys
-    } catch (const Json::exception&) {                               // a place is no longer there
-    } catch (const SettingsError&) {                                 // or is none of this version
+      return Json::diff(there_and_back, version_.settings).empty();  // ignores the order of keys
+    } catch (const Json::exception&) {                               // a place no longer exists
+    } catch (const SettingsError&) {                                 // or the result is invalid
     }
     return false;
   };
@@ -257,7 +257,7 @@ SettingsStore::Version SettingsStore::restore(const Json& tree, std::uint64_t re
 }
 
 void SettingsStore::take(Version version, SettingsHistory history) noexcept {
-  memory_was_used();  // by trees, patches, pipelines and masks, old and new
+  memory_was_used();  // for old and new trees, patches, pipelines and masks
   const std::lock_guard lock(mutex_);
   std::swap(version_, version);
   revision_ = version_.revision;

@@ -30,7 +30,7 @@ void Agreement::process(const Params&, const CameraSightings& seen, const ImageT
                           seen.is_of_other_computer});
     learnt.see(seen.camera, {name, robot.place_mm, robot.height_mm, t_s});
   }
-  /// What a calibration differs by from place to place.
+  /// Calibration errors, which vary from place to place.
   constexpr double kPlaceSigmaMm = 0.3;
   for (const BallSighting& ball : seen.balls) {
     const double sigma_mm = std::sqrt(ball.place_cov_mm2.trace() / 2);

@@ -9,8 +9,8 @@
 
 namespace sslv {
 
-/// Learns what cameras do not agree on, and takes it off what they saw. `learnt` is what it knows, which
-/// stays in the frame: it is its own, for others to look at.
+/// Estimates the differences between cameras and corrects the cameras' measurements accordingly. `learnt` is
+/// the state of this stage; it stays in the frame so that other stages can read it.
 class Agreement {
  public:
   struct Params {

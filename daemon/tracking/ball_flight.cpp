@@ -14,24 +14,24 @@ using Matrix6 = BallFlight::Matrix6;
 
 namespace {
 
-/// What cameras' floors differ by, and what their clocks do not know.
+/// Disagreement of the cameras' floor planes, and timestamp uncertainty.
 constexpr double kFloorSigmaMm = 1, kTimeSigma_s = 0.1e-3;
 
-constexpr double kForgets = 0.8;  // of how much lower it looks, with every sighting
+constexpr double kForgets = 0.8;  // decay of lower_sigmas per measurement
 
 double variance_of(const ShotPoint& point, double speed_mm_s) {
   return point.sigma_mm * point.sigma_mm + kFloorSigmaMm * kFloorSigmaMm +
          std::pow(kTimeSigma_s * speed_mm_s, 2);
 }
 
-/// A ball that a camera sees at a place of the floor is on the line place + slope * (height over the floor).
+/// Line of sight: the ball is on the line place_mm + slope * (height over the floor).
 struct Sight {
   Vector2d slope;
   explicit Sight(const ShotPoint& point, double radius_mm)
       : slope((point.camera_mm.head<2>() - point.place_mm) / (point.camera_mm.z() - radius_mm)) {}
 };
 
-/// Weighted least squares of six parameters, one equation after the other.
+/// Weighted least squares of six parameters, accumulated one equation at a time.
 struct Squares {
   Matrix6 information = Matrix6::Zero();
   Vector6 right = Vector6::Zero();
@@ -48,14 +48,15 @@ struct Squares {
 
 void BallFlight::hop(const BallModel& model) {
   const double along = has_hopped ? model.later_hops_xy : model.first_hop_xy;
-  // No two floors are the same.
+  // Relative uncertainty of a bounce: floors differ.
   constexpr double kAlongSigma = 0.05, kUpSigma = 0.05;
   Vector6 damps;
   damps << 1, 1, 0, along, along, -model.hops_z;
   const double speed = state.segment<2>(3).norm(), down = state[5];
   state = damps.cwiseProduct(state);
   state[2] = model.radius_mm;
-  // How high it was is how late it lands, and how fast it goes up again.
+  // The height is known at the bounce. An error of the height before it shifts the landing time and the
+  // rebound speed.
   cov = damps.asDiagonal() * cov * damps.asDiagonal();
   cov(2, 2) += 4;
   cov(3, 3) += std::pow(kAlongSigma * speed, 2);
@@ -69,8 +70,8 @@ void BallFlight::hop(const BallModel& model) {
 
 void BallFlight::predict(double to_s, const BallModel& model) {
   double left_s = to_s - t_s;
-  constexpr int kMostHops = 5;
-  for (int i = 0; i < kMostHops && !is_over; ++i) {
+  constexpr int kMaxHops = 5;
+  for (int i = 0; i < kMaxHops && !is_over; ++i) {
     const double up = state[5], over_mm = std::max(0.0, state[2] - model.radius_mm);
     const double lands_s = (up + std::sqrt(up * up + 2 * kGravity_mm_s2 * over_mm)) / kGravity_mm_s2;
     const bool lands = left_s > 0 && lands_s <= left_s;
@@ -145,9 +146,9 @@ std::optional<BallFlight> find_flight(std::span<const ShotPoint> points, const B
   const Vector2d velocity = (last.place_mm - first.place_mm) / lasts_s;
   const double speed = velocity.norm();
   const Vector2d way = speed > 1 ? Vector2d(velocity / speed) : Vector2d(1, 0);
-  // Places are counted from the last one, times from its, to keep numbers small.
+  // Positions and times are relative to the last point, to keep numbers small.
   const Vector2d from = last.place_mm;
-  Squares air, floor;  // place, velocity; place, velocity, acceleration
+  Squares air, floor;  // air: 3D position, velocity; floor: 2D position, velocity, acceleration
   for (const ShotPoint& point : points) {
     const double t = point.t_s - last.t_s, falls = -0.5 * kGravity_mm_s2 * t * t;
     const Vector2d slope = Sight(point, model.radius_mm).slope;
@@ -174,7 +175,7 @@ std::optional<BallFlight> find_flight(std::span<const ShotPoint> points, const B
     air.add(in_air, height - falls, height_variance);
     floor.constant += height * height / height_variance;
   }
-  // Before anything is seen: how high and how fast balls fly, and how they slow down on the floor.
+  // Priors: height and vertical speed in the air; deceleration and sideways acceleration on the floor.
   constexpr double kHighSigmaMm = 600, kUpSigma_mm_s = 3000, kSlowsSigma_mm_s2 = 1800,
                    kBendsSigma_mm_s2 = 300;
   air.add(Vector6::Unit(2), 0, kHighSigmaMm * kHighSigmaMm);
@@ -190,12 +191,12 @@ std::optional<BallFlight> find_flight(std::span<const ShotPoint> points, const B
   const double air_chi2 = air.constant - air.right.dot(flies),
                floor_chi2 = floor.constant - floor.right.dot(rolls);
   constexpr double kSurer = 20, kLowestMm = 30, kSigmas = 3;
-  // One that was turned on the way fits neither.
-  constexpr double kMostEach = 6;
+  // A ball deflected on its way fits neither model.
+  constexpr double kMaxEach = 6;
   BallFlight out;
   out.cov = in_air.solve(Matrix6::Identity());
   const bool is_high = flies[2] > kLowestMm && flies[2] * flies[2] > kSigmas * kSigmas * out.cov(2, 2);
-  const bool fits = air_chi2 < kSurer + kMostEach * static_cast<double>(points.size());
+  const bool fits = air_chi2 < kSurer + kMaxEach * static_cast<double>(points.size());
   if (floor_chi2 - air_chi2 < kSurer || !is_high || !fits) return {};
   out.t_s = last.t_s;
   out.state = flies;

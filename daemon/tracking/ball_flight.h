@@ -11,33 +11,33 @@
 
 namespace sslv {
 
-/// A ball in the air, however it came there: a Kalman filter of place and velocity that falls and hops. Where
-/// a camera sees it tells a line on which it is; how it falls, and how large it looks, tell how far up.
+/// A ball in the air, whether it was kicked there or not: a Kalman filter of position and velocity, with
+/// gravity and bounces. A measurement gives a line of sight; the fall and the apparent size give the height.
 struct BallFlight {
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
   double t_s = 0;
-  Vector6 state = Vector6::Zero();  // place, velocity
+  Vector6 state = Vector6::Zero();  // position, velocity (3D each)
   Matrix6 cov = Matrix6::Zero();
-  double lower_sigmas = 0;                   // lately
-  bool has_hopped = false, is_over = false;  // over: it rolls
+  double lower_sigmas = 0;  // decaying sum of height innovations; positive: the ball looks lower
+  bool has_hopped = false, is_over = false;  // is_over: the ball rolls
 
   void predict(double to_s, const BallModel& model);
   void correct(const ShotPoint& seen, const BallModel& model);
-  /// Its size tells again and again that it is lower.
+  /// Whether the ball's apparent size has repeatedly indicated a lower height than predicted.
   bool is_doubtful() const;
-  /// What turned its way along the floor; it falls as before.
+  /// A deflection: resets the uncertainty of the horizontal motion; the vertical motion continues.
   void turn(double place_sigma_mm);
-  /// The same way.
+  /// The same trajectory as a BallShot.
   BallShot shot(const BallModel& model) const;
 
  private:
   void hop(const BallModel& model);
 };
 
-/// Whether a ball of which nothing is known was in the air in these sightings, rather than on the floor.
-/// Nothing when it was not, or when they do not tell.
+/// Detects the flight of a ball without history; the result is its state at the last point. Returns nothing
+/// if the ball was on the floor or if the points do not allow a decision.
 std::optional<BallFlight> find_flight(std::span<const ShotPoint> points, const BallModel& model);
 
 }  // namespace sslv

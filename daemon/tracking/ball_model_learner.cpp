@@ -13,29 +13,29 @@ using Eigen::MatrixXd, Eigen::Vector2d, Eigen::Vector3d, Eigen::VectorXd;
 
 namespace {
 
-/// So long a ball is watched at most, and must have been, to say anything.
-constexpr double kLongest_s = 4, kShortestFlat_s = 0.8, kShortestChip_s = 0.5;
+/// Longest time that a ball is watched, and shortest times for learning from a flat kick and from a chip.
+constexpr double kLongestKick_s = 4, kShortestFlat_s = 0.8, kShortestChip_s = 0.5;
 constexpr double kGap_s = 0.3;
 constexpr std::size_t kMinPoints = 40;
-constexpr double kRadiusMm = 21.5;  // to tell a ball from others, any does
-/// A ball seen farther than this from where it is tracked is another one.
+constexpr double kRadiusMm = 21.5;  // only for associating measurements: need not be exact
+/// Measurements farther from the tracked ball belong to another ball.
 constexpr double kOwnMm = 60;
-/// What calibrations leave over changes slowly along the way, so neighbouring sightings err alike: they are
-/// worth as little as if they were so uncertain.
+/// Residual calibration errors vary slowly along the trajectory, so the errors of neighbouring measurements
+/// are correlated. This increased sigma accounts for the correlation.
 constexpr double kSightingSigmaMm = 3;
-/// A ball that met something is no longer where any model has it.
+/// A larger residual means that the ball hit something.
 constexpr double kMetSomethingMm = 12;
-/// What one kick says is of use when it is as sure as this share of the value.
+/// An estimate is used if its sigma is at most this share of the value.
 constexpr double kUsefulShare = 0.25;
 constexpr std::size_t kEnoughSaid = 3;
 
-/// Where a camera sees a ball, as if it lay on the floor.
+/// A ball's position projected from a camera onto the floor plane (z = ball radius).
 Vector2d seen_from(const Vector3d& camera_mm, const Vector3d& place_mm, double radius_mm) {
   const double share = (camera_mm.z() - radius_mm) / std::max(1.0, camera_mm.z() - place_mm.z());
   return camera_mm.head<2>() + (place_mm.head<2>() - camera_mm.head<2>()) * share;
 }
 
-/// The numbers of a fit: place, velocity; for a chip its upward velocity and moment; then the model's.
+/// Parameters of a fit. Their order in a vector: position, velocity (3D for a chip), time (chip only), model.
 struct Numbers {
   BallShot shot;
   BallModel model;
@@ -43,12 +43,12 @@ struct Numbers {
 
 struct Fit {
   VectorXd values, sigmas;
-  double worst_mm = 0;  // residual of the last quarter
+  double worst_mm = 0;  // largest absolute residual
   bool is_good = false;
 };
 
-/// Gauss-Newton with differences, from `values`, of what `to_numbers` makes of them. `priors`: their
-/// sigmas, of values that are known about.
+/// Levenberg-Marquardt with finite differences of size `steps`. `to_numbers` converts a parameter vector;
+/// `priors`: sigmas of the priors, which are centred on `start`.
 template <class Points, class ToNumbers>
 Fit fit(const Points& points, const VectorXd& start, const VectorXd& steps, const VectorXd& priors,
         const ToNumbers& to_numbers) {
@@ -124,8 +124,8 @@ void BallModelLearner::Sayings::add(const Said& said) {
   }
 }
 
-/// The weighted median, which a kick that met something unnoticed does not move; its sigma from how kicks
-/// differ.
+/// Mean of the estimates near the weighted median, which is not shifted by outliers (kicks whose ball hit
+/// something unnoticed). The sigma is derived from the spread between kicks.
 LearntBallModel::Value BallModelLearner::Sayings::value() const {
   if (all_.size() < kEnoughSaid) return {};
   std::vector<Said> sorted = all_;
@@ -140,7 +140,7 @@ LearntBallModel::Value BallModelLearner::Sayings::value() const {
     median = one.value;
     break;
   }
-  // Mean of what lies near it: better than the median alone.
+  // The mean of the estimates near the median is more accurate than the median.
   constexpr double kNear = 3;
   std::vector<double> apart;
   for (const Said& one : sorted) apart.push_back(std::abs(one.value - median));
@@ -169,12 +169,12 @@ const WatchedKick* KickWatch::add(const Observations& seen, const TrackedField& 
   const bool is_same = is_watching_ && tracked.kick && tracked.kick->number == now_.kick.number;
   const WatchedKick* over = nullptr;
   if (is_watching_ &&
-      (!is_same || !has_ball || tracked.t_s - seen_s_ > kGap_s || tracked.t_s - now_.kick.t_s > kLongest_s ||
-       now_.points.size() >= WatchedKick::kMaxPoints)) {
+      (!is_same || !has_ball || tracked.t_s - seen_s_ > kGap_s ||
+       tracked.t_s - now_.kick.t_s > kLongestKick_s || now_.points.size() >= WatchedKick::kMaxPoints)) {
     is_watching_ = false;
     if (now_.points.size() >= kMinPoints) over = &now_;
   } else if (is_same) {
-    now_.kick = *tracked.kick;  // known better by now
+    now_.kick = *tracked.kick;  // the kick's estimate improves with time
   }
   if (over) return over;
   if (!is_watching_) {
@@ -194,9 +194,9 @@ const WatchedKick* KickWatch::add(const Observations& seen, const TrackedField& 
     const Vector3d then = ball.place_mm + ball.velocity_mm_s * passed_s;
     if ((seen_from(one.camera_mm, then, kRadiusMm) - one.place_mm).norm() > kOwnMm) continue;
     seen_s_ = tracked.t_s;
-    constexpr double kAfterTheKick_s = 0.01;  // which takes some milliseconds
-    // As many cameras as may see it: no more points than are of use.
-    constexpr double kApart_s = kLongest_s / WatchedKick::kMaxPoints;
+    constexpr double kAfterTheKick_s = 0.01;  // a kick lasts some milliseconds
+    // Limits the number of points, however many cameras see the ball.
+    constexpr double kApart_s = kLongestKick_s / WatchedKick::kMaxPoints;
     if (one.t_s < now_.kick.t_s + kAfterTheKick_s || one.t_s < noted_s_ + kApart_s) continue;
     noted_s_ = one.t_s;
     now_.points.push_back({one.t_s, one.camera_mm, one.place_mm});
@@ -218,7 +218,7 @@ void BallModelLearner::learn(const WatchedKick& watched, const BallModel& model)
 
 void BallModelLearner::learn_flat(const WatchedKick& watched, const BallModel& model) {
   const TrackedKick& kick = watched.kick;
-  // Until it met something: the longest beginning that goes straight on, tried from the end.
+  // The ball may hit something later: drop points from the end until the fit is good.
   std::size_t count = watched.points.size();
   for (; count >= kMinPoints; count = count * 4 / 5) {
     const std::span<const WatchedKick::Point> points(watched.points.data(), count);
@@ -237,7 +237,8 @@ void BallModelLearner::learn_flat(const WatchedKick& watched, const BallModel& m
     priors << 50, 50, 500, 500, 2000, 400, 0.2;
     const Fit found = fit(points, start, steps, priors, to_numbers);
     if (!found.is_good) continue;
-    // One that was no longer sliding when it was seen first, or that never rolled, says nothing of it.
+    // A kick gives no estimate of sliding if the ball was first seen after sliding, and no estimate of
+    // rolling if the ball never rolled.
     const std::array<double, 3> prior_sigmas{priors[4], priors[5], priors[6]};
     for (int i = 0; i < 3; ++i) {
       if (found.sigmas[4 + i] < 0.5 * prior_sigmas[static_cast<std::size_t>(i)])

@@ -13,24 +13,24 @@
 
 namespace sslv {
 
-/// What play tells of a ball: how it slides, rolls and bounces on this carpet.
+/// Ball dynamics on this carpet (sliding, rolling, bouncing), learnt from kicks in play.
 struct LearntBallModel {
-  /// With how sure it is, as kicks differ from each other. Sigma 0: not known.
+  /// The sigma is derived from the spread between kicks; 0: unknown.
   struct Value {
     double value = 0, sigma = 0;
     bool is_known() const { return sigma > 0; }
   };
   Value slides_mm_s2, rolls_mm_s2, rolls_from_share;
   Value first_hop_xy, later_hops_xy, hops_z;
-  int kicks = 0, chips = 0;  // that it was learnt from
+  int kicks = 0, chips = 0;  // numbers of flat kicks and chips used for learning
 };
 
-/// A kick, and where its ball was seen since.
+/// A kick and the later measurements of its ball.
 struct WatchedKick {
   struct Point {
     double t_s;
     Eigen::Vector3d camera_mm;
-    Eigen::Vector2d place_mm;  // as if on the floor
+    Eigen::Vector2d place_mm;  // projected onto the floor (z = ball radius)
   };
   TrackedKick kick;
   std::vector<Point> points;
@@ -38,12 +38,13 @@ struct WatchedKick {
   static constexpr std::size_t kMaxPoints = 400;
 };
 
-/// Watches what becomes of kicks: to be told of every image. Allocates nothing in steady state.
+/// Collects the measurements after a kick. add() must be called for every image. Allocates nothing in steady
+/// state.
 class KickWatch {
  public:
   KickWatch() { now_.points.reserve(WatchedKick::kMaxPoints); }
 
-  /// The kick that is over, and worth learning from; null while there is none. Valid until the next call.
+  /// Returns a finished kick with enough points to learn from, or null. Valid until the next call.
   const WatchedKick* add(const Observations& seen, const TrackedField& tracked);
 
  private:
@@ -53,21 +54,21 @@ class KickWatch {
   int last_number_ = 0;
 };
 
-/// Learns from kicks whose ball goes on undisturbed for a while. Each is fitted for its own, with the ball's
-/// model among what is fitted; what most kicks say counts.
+/// Learns the ball dynamics from kicks whose ball moves undisturbed for a while. Each kick is fitted
+/// separately, with the ball model among the parameters; estimates far from the majority are ignored.
 class BallModelLearner {
  public:
-  /// `model`: from which the fit begins. Takes some milliseconds.
+  /// `model`: start of the fit and centre of its priors. Takes some milliseconds.
   void learn(const WatchedKick& watched, const BallModel& model);
 
   const LearntBallModel& learnt() const { return learnt_; }
 
  private:
-  /// What one kick says of a number, and how sure.
+  /// One kick's estimate of a parameter.
   struct Said {
     double value, sigma;
   };
-  /// The newest, of which the oldest goes.
+  /// The newest kMax estimates.
   class Sayings {
    public:
     void add(const Said& said);

@@ -62,7 +62,7 @@ BallState BallShot::at(double time_s, const BallModel& model) const {
 }
 
 double BallShot::stops_s(const BallModel& model) const {
-  // No ball of the league is under way for longer.
+  // Upper limit: every ball comes to rest earlier.
   constexpr double kLongest_s = 60, kStill_mm_s = 1;
   double moves_s = 0, still_s = kLongest_s;
   for (int i = 0; i < 16; ++i) {

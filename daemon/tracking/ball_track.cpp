@@ -14,8 +14,8 @@ using Eigen::Matrix2d, Eigen::Vector2d, Eigen::Vector3d;
 
 namespace {
 
-constexpr double kKickLasts_s = 1.2;  // so long a kick's fit says where the ball is
-constexpr double kNearlyMm = 111.5;   // between the centres of a robot and a ball that touches it
+constexpr double kKickLasts_s = 1.2;  // the kick fit is updated this long after a kick
+constexpr double kNearlyMm = 111.5;   // distance between the centres of a robot and a ball touching it
 constexpr double kFlatTimeSigma_s = 0.08e-3;
 constexpr double kFreeSlides_mm_s2 = 3500;
 
@@ -93,7 +93,8 @@ Vector2d BallTrack::held_at(double t_s, const RobotTracks& robots) const {
   return robot ? Vector2d(robot->place_mm + turned_by(held_mm_, robot->orientation_rad)) : flat_.place();
 }
 
-/// Where a camera sees it, as if it lay on the floor.
+/// Expected measurement: the ball's position projected from the camera onto the floor plane (z = ball
+/// radius).
 Vector2d BallTrack::seen_from(const Vector3d& camera_mm, double t_s, const RobotTracks& robots) const {
   if (phase_ == Phase::kHeld) return held_at(t_s, robots);
   if (phase_ == Phase::kFree) {
@@ -114,9 +115,9 @@ double BallTrack::gate_mm(double t_s) const {
       if (!is_kick_) {
         BallFlight then = flight_;
         then.predict(t_s, model_);
-        constexpr double kMostMm = 120, kSlope = 0.5;  // of a camera's sight, at most
+        constexpr double kMaxMm = 120, kSlope = 0.5;  // kSlope: maximum horizontal offset per height
         const double spread = std::max(then.cov(0, 0), then.cov(1, 1)) + kSlope * kSlope * then.cov(2, 2);
-        return std::min(kMostMm, 4.5 * std::sqrt(std::max(0.0, spread)) + 5);
+        return std::min(kMaxMm, 4.5 * std::sqrt(std::max(0.0, spread)) + 5);
       }
       return 15 + 60 * std::max(0.0, 0.12 - age_s) / 0.12 + 40 * unseen_s + (age_s > 0.35 ? 25 : 0);
     case Phase::kFree: break;
@@ -137,10 +138,10 @@ BallTrack::Saw BallTrack::add(const std::vector<BallObservation>& seen, const Ro
       });
   const double off_mm = (nearest.place_mm - expected).norm();
   bool is_it = off_mm < gate_mm(t_s);
-  // A kick that is not yet known to be a chip leaves the floor's path.
-  constexpr double kYoung_s = 0.35, kPerPeriodMm = 90, kPeriod_s = 0.0133, kMostMm = 120;
+  // A chip that is not yet recognised deviates from the trajectory predicted on the floor.
+  constexpr double kYoung_s = 0.35, kPerPeriodMm = 90, kPeriod_s = 0.0133, kMaxMm = 120;
   if (!is_it && phase_ == Phase::kFree && is_kick_ && t_s - event_s_ < kYoung_s)
-    is_it = off_mm < gate_mm(t_s) + kPerPeriodMm * (t_s - seen_s_) / kPeriod_s && off_mm < kMostMm;
+    is_it = off_mm < gate_mm(t_s) + kPerPeriodMm * (t_s - seen_s_) / kPeriod_s && off_mm < kMaxMm;
   if (is_it) {
     forget_branches();
     seen_s_ = t_s;
@@ -161,7 +162,7 @@ bool BallTrack::explains(const BallObservation& sighting, const RobotTracks& rob
 }
 
 bool BallTrack::is_gone(double t_s) const {
-  // A robot takes the ball along.
+  // A held ball moves with its robot, so it may stay unseen longer.
   constexpr double kGone_s = 0.8, kHeldGone_s = 2;
   return t_s - seen_s_ > (phase_ == Phase::kHeld ? kHeldGone_s : kGone_s);
 }
@@ -172,7 +173,7 @@ bool BallTrack::is_too_fast() const {
 }
 
 bool BallTrack::is_finite() const {
-  // One that is not finite makes the sum not finite.
+  // Any non-finite term makes the sum non-finite.
   double all = seen_s_ + seen_mm_.sum() + flat_.t_s + flat_.state.sum() + flat_.cov.sum() + held_mm_.sum() +
                held_var_mm2_;
   if (phase_ == Phase::kFlying)
@@ -212,12 +213,12 @@ void BallTrack::accept(const BallObservation& sighting, const RobotTracks& robot
     if (!robot) return;
     const Vector2d away = sighting.place_mm - robot->place_mm;
     const Vector2d off = turned_by(away, -robot->orientation_rad) - held_mm_;
-    // A dribbler shakes it faster than one can follow.
+    // The dribbler shakes the ball faster than the filter can follow.
     constexpr double kSlow = 0.1;
     const double gain = std::max(kSlow, 1.0 / ++held_count_);
     held_mm_ += gain * off;
-    constexpr double kMostVars = 6;  // more is no shaking
-    held_var_mm2_ += kSlow * (std::min(off.squaredNorm(), kMostVars * held_var_mm2_) - held_var_mm2_);
+    constexpr double kMaxVars = 6;  // larger deviations are not shaking: clip them
+    held_var_mm2_ += kSlow * (std::min(off.squaredNorm(), kMaxVars * held_var_mm2_) - held_var_mm2_);
     held_seen_ = sighting;
     is_announced_ = false;
     constexpr double kLetGoMm = 150;
@@ -257,7 +258,7 @@ void BallTrack::may_be_held(const BallObservation& sighting, const RobotTracks& 
   constexpr int kSure = 3;
   if (sighting.t_s < alone_until_s_) return;
   const auto near = robots.nearest(flat_.place(), sighting.t_s);
-  // No robot is there sooner.
+  // No robot can reach the ball before alone_until_s_.
   constexpr double kRobots_mm_s = 6000;
   if (near && near->distance_mm > kNearMm)
     alone_until_s_ = sighting.t_s + (near->distance_mm - kNearMm) / (kRobots_mm_s + flat_.velocity().norm());
@@ -283,7 +284,7 @@ void BallTrack::may_be_held(const BallObservation& sighting, const RobotTracks& 
   is_kick_ = false;
 }
 
-/// What is known of the way of a kick's chip.
+/// Flight filter initialised from chip_ at `t_s`, with a fixed covariance.
 BallFlight BallTrack::flight_at(double t_s) const {
   constexpr double kPlaceSigmaMm = 20, kVelocitySigma_mm_s = 100;
   const BallState then = chip_.at(t_s, model_);
@@ -310,7 +311,8 @@ void BallTrack::fly(const BallFlight& flight) {
   event_mm_ = chip_.place_mm;
 }
 
-/// A ball that begins where nobody saw it kicked may be in the air: its size tells, or its way.
+/// A ball whose kick was not seen may be in the air. Tests this if the ball's apparent size or repeated large
+/// innovations suggest a flight. If the test confirms it, switches to Phase::kFlying.
 void BallTrack::may_fly(double t_s, const RobotTracks& robots) {
   constexpr double kLongest_s = 0.6, kSurelySigmas = 2.5;
   constexpr int kSurprises = 2;
@@ -323,7 +325,7 @@ void BallTrack::may_fly(double t_s, const RobotTracks& robots) {
     return;
   const auto flight = find_flight(points, model_);
   if (!flight) return;
-  // Nothing else lifts a ball off a robot that holds it.
+  // A held ball leaves the floor only by a kick of its holder.
   const auto kicker = left_holder_ ? robots.at(holder_, event_s_) : std::nullopt;
   if (kicker) {
     const auto before = kick_;
@@ -364,9 +366,9 @@ void BallTrack::fit_shot() {
   chip_guess.shot.t_s = event_s_;
   chip_guess.shot.place_mm = event_mm_;
   const ShotFit chip = fit_chip(chip_guess, points, model_, prior, count < 8 ? 6 : 3);
-  // One that was turned on its way fits neither.
-  constexpr double kMostEach = 6, kMost = 20;
-  const bool fits = chip.chi2 < kMostEach * static_cast<double>(count) + kMost;
+  // A ball deflected on its way fits neither model.
+  constexpr double kMaxEach = 6, kMost = 20;
+  const bool fits = chip.chi2 < kMaxEach * static_cast<double>(count) + kMost;
   is_chip_ = fits && flat.chi2 - chip.chi2 > (is_chip_ ? -5 : 14);
   chip_ = chip.shot;
   kick_->is_chip = is_chip_;
@@ -382,11 +384,12 @@ void BallTrack::fit_shot() {
     roll({last.t_s, last.camera_mm, last.place_mm, last.sigma_mm, last.height_mm, last.height_sigma_mm},
          flat_velocity, true, speed);
   }
-  // The kick was where its line passes the ball's way before; it began before that, as a kicker pushes.
+  // The kick took place where the fitted trajectory meets the previous one. Contact began earlier: the
+  // kicker pushes for kPushes_s.
   const Vector2d way = unit_of(flat_velocity);
-  constexpr double kMost_s = 0.01, kPushes_s = 0.002;
+  constexpr double kMax_s = 0.01, kPushes_s = 0.002;
   const double faster = std::max(300.0, speed - before_mm_s_.dot(way));
-  const double late_s = std::clamp((event_mm_ - flat.shot.place_mm).dot(way) / faster, -kMost_s, kMost_s);
+  const double late_s = std::clamp((event_mm_ - flat.shot.place_mm).dot(way) / faster, -kMax_s, kMax_s);
   kick_->t_s = event_s_ + late_s - kPushes_s / 2;
   kick_->place_mm = flat.shot.place_mm + way * (speed * late_s) - before_mm_s_ * (kPushes_s / 2);
   const Vector2d kicked = flat_velocity - way * (flat.slides_mm_s2 * late_s);
@@ -437,7 +440,7 @@ TrackedBall BallTrack::at(double t_s, const RobotTracks& robots) const {
       if (t_s - seen_s_ <= kHidden_s) break;
       const auto robot = robots.at(name, t_s);
       if (!robot || (from - robot->place_mm).norm() <= kNearlyMm + 0.5) continue;
-      // One that is not seen has stopped at a robot in its way.
+      // Assume that an unseen ball has stopped at a robot in its path.
       const double nearest = std::clamp((robot->place_mm - from).dot(way), 0.0, length);
       if (nearest <= 1 || (from + way * nearest - robot->place_mm).norm() >= kNearlyMm - 6.5) continue;
       place = robot->place_mm + unit_of(from - robot->place_mm) * kNearlyMm;

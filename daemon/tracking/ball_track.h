@@ -17,63 +17,65 @@
 
 namespace sslv {
 
-/// One ball: rolls or slides, is held by a robot, or flies. What no phase explains is kept apart until two
-/// sightings say together what happened, and when.
+/// One ball: free (rolling or sliding), held by a robot, or flying. Measurements outside the gate are
+/// collected in branches (possible new trajectories) until two measurements together show a kick or
+/// deflection and its time.
 class BallTrack {
  public:
-  /// From some sightings, of which this is the newest.
+  /// Starts a track from the newest of `sightings` measurements.
   BallTrack(const BallModel& model, const BallObservation& newest, const Eigen::Vector2d& velocity_mm_s,
             int sightings);
 
-  /// From now on.
+  /// Takes effect from the next prediction.
   void set_model(const BallModel& model) { model_ = model; }
 
   enum class Saw { kNothing, kBall, kTurn };
-  /// What one image shows of balls. kTurn: it was kicked or turned away, as two or three sightings tell; what
-  /// went before may still be true, and is put down.
+  /// Processes the balls of one image. kBall: a ball is inside the gate. kTurn: two or three measurements
+  /// show that the ball was kicked or deflected; `before` is then the track without this turn, which may
+  /// still be the true track.
   Saw add(const std::vector<BallObservation>& seen, const RobotTracks& robots,
           std::optional<BallTrack>& before);
-  /// Whether this sighting is where it is expected.
+  /// Whether the measurement is inside the gate.
   bool explains(const BallObservation& sighting, const RobotTracks& robots) const;
   TrackedBall at(double t_s, const RobotTracks& robots) const;
   double seen_s() const { return seen_s_; }
   Eigen::Vector2d seen_mm() const { return seen_mm_; }
   const std::optional<TrackedKick>& kick() const { return kick_; }
-  /// Sightings since it began or turned.
+  /// Number of measurements since the track began or turned.
   int sightings() const { return sightings_; }
-  /// Whether it goes its way without surprises.
+  /// Whether at most a third of these measurements had a large innovation.
   bool is_steady() const { return 3 * surprises_ <= sightings_; }
-  /// When it last moved, as far as was seen.
+  /// Time of the last measurement that showed the ball moving.
   double moved_s() const { return moved_s_; }
-  /// Well above the floor.
+  /// Whether the ball is well above the floor.
   bool is_in_the_air(double t_s) const;
-  /// It may be anywhere now.
+  /// Whether the ball was unseen for so long that it may be anywhere.
   bool is_gone(double t_s) const;
-  /// Of no ball of the league.
+  /// Whether the ball is faster than any legal ball.
   bool is_too_fast() const;
-  /// False: its filters are of no use.
+  /// False: a filter state is not finite, so the track is unusable.
   bool is_finite() const;
 
  private:
-  static constexpr double kApart_s = 0.003;  // between sightings that tell a velocity
+  static constexpr double kApart_s = 0.003;  // shortest time between measurements for a velocity
 
   enum class Phase { kFree, kHeld, kFlying };
   using Vector5 = Eigen::Matrix<double, 5, 1>;
   using Matrix5 = Eigen::Matrix<double, 5, 5>;
-  /// On the floor: place, velocity, deceleration.
+  /// Filter of a ball on the floor. State: position, velocity, deceleration.
   struct Flat {
     double t_s = 0;
     Vector5 state = Vector5::Zero();
     Matrix5 cov = Matrix5::Zero();
     bool slides = false;
-    double began_mm_s = 0;  // to slide
+    double began_mm_s = 0;  // speed when sliding began
 
     void predict(double to_s, const BallModel& model);
     Eigen::Vector2d place() const { return state.head<2>(); }
     Eigen::Vector2d velocity() const { return state.segment<2>(2); }
   };
 
-  /// Sightings that do not fit, but may be what it has turned to.
+  /// Measurements outside the gate that may be the ball's new trajectory.
   struct Branch {
     std::array<BallObservation, 8> seen;
     std::size_t count = 0;
@@ -83,15 +85,15 @@ class BallTrack {
     void add(const BallObservation& one);
     double passed_s() const { return last().t_s - first().t_s; }
     Eigen::Vector2d velocity() const { return (last().place_mm - first().place_mm) / passed_s(); }
-    /// As something does that looks like a ball and is none.
+    /// Stationary: probably clutter.
     bool lies() const;
-    /// As a ball goes that meets nothing.
+    /// Consistent with free motion.
     bool is_straight() const;
   };
 
-  /// Of two ways.
+  /// Intersection of the old and the new trajectory.
   struct Meeting {
-    double t_s, off_mm;  // when, and by how much they miss each other
+    double t_s, off_mm;  // time and distance of the closest approach
     Eigen::Vector2d place_mm, before_mm_s;
   };
 
@@ -127,31 +129,31 @@ class BallTrack {
   BallModel model_;
   Phase phase_ = Phase::kFree;
   double seen_s_;
-  Eigen::Vector2d seen_mm_;  // the place then
+  Eigen::Vector2d seen_mm_;  // position at seen_s_
   int sightings_ = 1;
   Eigen::Vector2d began_mm_;
-  bool has_moved_ = false;  // away from there
+  bool has_moved_ = false;  // has moved away from began_mm_
   double moved_s_ = 0;
   Flat flat_;
   CameraDifferences<Eigen::Vector3d, 4> differences_{6, false};
   RobotName holder_;
-  Eigen::Vector2d held_mm_{0, 0};  // ahead and left of the holder's centre
-  double held_var_mm2_ = 0;        // how far it shakes there
+  Eigen::Vector2d held_mm_{0, 0};  // offset from the holder's centre: ahead, left
+  double held_var_mm2_ = 0;        // variance of the ball's shaking at the holder
   BallObservation held_seen_{};
-  bool is_announced_ = false;  // that it was kicked, of one sighting
+  bool is_announced_ = false;  // a kick was announced from one measurement
   int held_count_ = 0;
-  double alone_until_s_ = 0;  // no robot can hold it before
-  bool left_holder_ = false;  // and was not kicked, as it seems
-  int surprises_ = 0;         // since it rolls
+  double alone_until_s_ = 0;  // no robot can hold the ball before this time
+  bool left_holder_ = false;  // the ball left its holder, apparently without a kick
+  int surprises_ = 0;         // large innovations since roll()
   std::array<Branch, 4> branches_;
-  // Since the last kick or turn.
+  // State since the last kick or turn.
   double event_s_ = -9;
-  Eigen::Vector2d event_mm_{0, 0}, before_mm_s_{0, 0};  // the velocity until then
+  Eigen::Vector2d event_mm_{0, 0}, before_mm_s_{0, 0};  // before_mm_s_: velocity before event_s_
   bool is_kick_ = false, is_chip_ = false;
   std::array<ShotPoint, kMaxShotPoints> points_;
   std::size_t point_count_ = 0;
-  BallShot chip_;      // while it flies
-  BallFlight flight_;  // likewise, unless it is a kick's
+  BallShot chip_;      // trajectory while flying
+  BallFlight flight_;  // filter while flying without a kick fit
   ShotPrior::Robot kicker_;
   std::optional<TrackedKick> kick_;
 };

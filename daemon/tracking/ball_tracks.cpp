@@ -12,7 +12,7 @@ using Eigen::Vector2d;
 namespace {
 
 constexpr std::size_t kMost = 6;
-/// Sightings of one that is followed for a while.
+/// Measurements after which a track counts as established.
 constexpr int kOld = 8;
 constexpr double kLately_s = 0.03;
 
@@ -24,7 +24,7 @@ bool lies(const BallTrack& track, double t_s) {
 }  // namespace
 
 BallTracks::BallTracks() {
-  // As many as there may be before some are left out: nothing is allocated for an image.
+  // Upper limits before pruning, so that processing an image allocates nothing.
   constexpr std::size_t kSeen = 32;
   balls_.reserve(2 * kMost + kSeen);
   unexplained_.reserve(kSeen);
@@ -33,23 +33,25 @@ BallTracks::BallTracks() {
 }
 
 bool BallTracks::is_sure(const BallTrack& track, double t_s, bool is_in_doubt) {
-  // What looks like a ball for some images does not move; a hand does, but not as a ball.
+  // Short-lived clutter does not move, so a stationary track needs more measurements. A hand moves, but not
+  // steadily.
   const int enough = lies(track, t_s) ? 6 : 3;
   return track.is_steady() && track.sightings() >= (is_in_doubt ? 2 * enough + 2 : enough);
 }
 
-/// Whether one may have gone from where it was seen last to where the other was.
+/// Whether one ball can have moved between the last measurements of the two tracks.
 bool BallTracks::reaches(const BallTrack& one, const BallTrack& other) {
   constexpr double kFastest_mm_s = 8000, kNearMm = 300;
   const double passed_s = std::abs(other.seen_s() - one.seen_s());
   return (other.seen_mm() - one.seen_mm()).norm() < kFastest_mm_s * passed_s + kNearMm;
 }
 
-/// What one that is looked at since long explains is not what another has turned to.
+/// Whether a measurement belongs to another, established track, so that it is not evidence for a turn of
+/// `ball`.
 bool BallTracks::is_of_another(const BallObservation& one, const Ball& ball,
                                const RobotTracks& robots) const {
   if (ball.is_past || balls_.size() < 2) return false;
-  int is_own = -1;  // not yet asked
+  int is_own = -1;  // -1: not evaluated yet
   for (const Ball& other : balls_) {
     if (&other == &ball || other.is_past || other.track.sightings() < kOld) continue;
     if (!other.track.explains(one, robots)) continue;
@@ -71,7 +73,7 @@ void BallTracks::add(const std::vector<BallObservation>& all, const RobotTracks&
   seen = all;
   for (BallObservation& one : seen) one.is_over_robot = robots.is_over_robot(one, model_.radius_mm);
   const double now_s = seen.front().t_s;
-  const std::size_t count = balls_.size();  // without what is added here
+  const std::size_t count = balls_.size();  // excludes tracks added in this loop
   for (std::size_t i = 0; i < count; ++i) {
     own_.clear();
     for (const BallObservation& one : seen) {
@@ -80,7 +82,7 @@ void BallTracks::add(const std::vector<BallObservation>& all, const RobotTracks&
     }
     if (balls_[i].track.add(own_, robots, before_) != BallTrack::Saw::kTurn) continue;
     Ball& ball = balls_[i];
-    // What one was before it turned does not turn itself, unless the other is not seen.
+    // The hypothesis from before a turn must not turn itself while balls_[0] is still seen.
     if (ball.is_past && now_s - balls_[0].track.seen_s() < kLately_s) {
       ball.track = *before_;
       continue;
@@ -99,7 +101,7 @@ void BallTracks::find_played(double t_s) {
   for (std::size_t i = 0; i < balls_.size() && !is_known_; ++i) {
     const Ball& ball = balls_[i];
     if (t_s - ball.track.seen_s() > kLately_s || !is_sure(ball.track, t_s, false)) continue;
-    // One that lay there while another was played is not the one that is hidden.
+    // A ball that was stationary while another ball was in play is not the hidden ball in play.
     if (lies(ball.track, t_s) && ball.began_s < lost_s_ && t_s - lost_s_ < kForgotten_s) continue;
     is_known_ = true;
     std::swap(balls_[0], balls_[i]);
@@ -107,7 +109,7 @@ void BallTracks::find_played(double t_s) {
 }
 
 void BallTracks::choose_ball(double t_s, const RobotTracks& robots) {
-  // Where a filter is not finite, the next sightings start another one.
+  // A track whose filter is not finite is dropped; the next measurements start a new one.
   const auto broken = std::ranges::count_if(balls_, [](const Ball& ball) { return !ball.track.is_finite(); });
   repaired_ += static_cast<std::uint64_t>(broken);
   const auto ends = [&](const Ball& ball) {
@@ -122,7 +124,7 @@ void BallTracks::choose_ball(double t_s, const RobotTracks& robots) {
   if (!is_known_) return;
   constexpr double kUnseen_s = 0.05, kLost_s = 0.4, kStill_s = 1;
   constexpr int kPlayed = 20;
-  // One that turned was not it when what it was before is seen again, and it is not.
+  // A turn was wrong if the hypothesis from before it is seen again and the turned ball is not.
   std::size_t first = 0;
   for (std::size_t i = 1; i < balls_.size(); ++i) {
     const BallTrack &shown = balls_[first].track, &other = balls_[i].track;
@@ -130,18 +132,18 @@ void BallTracks::choose_ball(double t_s, const RobotTracks& robots) {
     const double unseen_s = other.seen_s() - shown.seen_s();
     const bool is_near = balls_[i].is_past || (unseen_s > kLately_s && reaches(shown, other));
     if (!is_sure(other, t_s, !is_near)) continue;
-    // A ball that lies still elsewhere is not the one that is hidden.
+    // A stationary ball elsewhere is not the hidden ball.
     const bool may_be_it = balls_[i].is_past || !lies(other, t_s);
     const bool shown_is_unseen = may_be_it && unseen_s > (is_near ? kUnseen_s : kLost_s);
     const bool shown_is_young = may_be_it && shown.sightings() < kOld &&
                                 other.sightings() > 2 * shown.sightings() && unseen_s > kLately_s / 2;
-    // Balls beside the field lie still; the one that is played does not.
+    // Balls beside the field are stationary; the ball in play moves.
     const bool is_played = other.sightings() > kPlayed && other.moved_s() > shown.moved_s() + kStill_s;
     if (shown_is_unseen || shown_is_young || is_played) first = i;
   }
   if (first != 0) std::swap(balls_[0], balls_[first]);
   balls_[0].is_past = false;
-  // What one was before its turn is of no use once the turn is sure; two on one way are one.
+  // Drop hypotheses from before a turn once the turn is certain, and duplicates on the same trajectory.
   for (std::size_t i = balls_.size(); i-- > 1;) {
     const Ball& other = balls_[i];
     const bool is_over = other.is_past && balls_[0].track.sightings() >= kOld &&
@@ -163,7 +165,7 @@ void BallTracks::take_kick() {
   const TrackedKick& kick = *balls_[0].track.kick();
   const std::pair which{balls_[0].number, kick.number};
   if (which != kick_of_ball_) {
-    if (kick_ && kick.t_s < kick_->t_s + 0.02) return;  // of a past one
+    if (kick_ && kick.t_s < kick_->t_s + 0.02) return;  // an earlier kick
     kick_of_ball_ = which;
     ++kicks_;
   }
@@ -174,7 +176,7 @@ void BallTracks::take_kick() {
   kick_->stop_mm = shot.at(kick_->stop_s, model_).place_mm.head<2>();
 }
 
-/// Three sightings that one ball on its way may be, and that no other explains.
+/// Starts a track from at least three measurements on a straight line that no track explains.
 void BallTracks::look_for_balls(const std::vector<BallObservation>& seen, const RobotTracks& robots) {
   constexpr double kLasts_s = 0.1, kFastest_mm_s = 7000, kNearMm = 3, kStraightMm = 8;
   const double t_s = seen.front().t_s;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a ball does that its way so far does not explain: it is kicked, turned away, or was hidden.
+// Measurements outside a track's gate: the ball was kicked, was deflected, or reappears after being hidden.
 #include "tracking/ball_track.h"
 #include "tracking/planar.h"
 
@@ -37,7 +37,8 @@ bool BallTrack::Branch::is_straight() const {
       });
 }
 
-/// Whether a ball can have gone from where a branch began to here.
+/// Whether `now` gives a plausible velocity with the branch's first measurement: at least kApart_s later, and
+/// slower than kFastest_mm_s.
 bool BallTrack::tells_a_way(const Branch& branch, const BallObservation& now) {
   constexpr double kFastest_mm_s = 9500;
   const double passed_s = now.t_s - branch.first().t_s;
@@ -55,8 +56,9 @@ BallTrack::Saw BallTrack::surprise(const std::vector<BallObservation>& seen, con
   for (Branch& branch : branches_) {
     if (branch.count > 0 && t_s - branch.first().t_s > kLasts_s) branch.count = 0;
   }
-  // A ball that rises off a kicker is seen elsewhere by each camera: only what one camera sees twice tells
-  // its way, unless it is that of a kick.
+  // A ball rising off a kicker is projected to a different floor position by each camera. A trajectory needs
+  // two measurements of the same camera; for a kick, measurements of two cameras are sufficient (see
+  // explain()).
   const bool may_rise = phase_ == Phase::kHeld;
   for (const BallObservation& one : seen) {
     Branch *own = nullptr, *others = nullptr;
@@ -100,7 +102,7 @@ BallTrack::Saw BallTrack::surprise(const std::vector<BallObservation>& seen, con
   return Saw::kNothing;
 }
 
-/// Whether a held ball was already leaving, towards this sighting, when it was seen before.
+/// Whether a held ball was already leaving towards `now` at its previous measurement, held_seen_.
 bool BallTrack::was_on_its_way(const BallObservation& now, const RobotTracks& robots) const {
   if (phase_ != Phase::kHeld) return false;
   constexpr double kLately_s = 0.03, kShakes = 2;
@@ -112,8 +114,9 @@ bool BallTrack::was_on_its_way(const BallObservation& now, const RobotTracks& ro
   return off.dot(way) > shakes_mm && std::abs(off.dot(left_of(way))) < shakes_mm;
 }
 
-/// A held ball that is that far ahead one image later was kicked, even if it was as late as can be: how fast
-/// is said between what it must have been and what is allowed, until it is seen again.
+/// Announces a kick from a single measurement: a held ball was kicked if it is so far ahead of its robot that
+/// even its lowest possible speed, from the previous measurement to `now`, exceeds kSlowest_mm_s. Until the
+/// next measurement, the ball's speed is assumed to be the mean of this lowest speed and kAllowed_mm_s.
 void BallTrack::announce(const BallObservation& now, const RobotTracks& robots) {
   if (phase_ != Phase::kHeld || is_announced_) return;
   constexpr double kLately_s = 0.03, kSlowest_mm_s = 2000, kFastest_mm_s = 8000, kAllowed_mm_s = 6500,
@@ -138,8 +141,8 @@ void BallTrack::announce(const BallObservation& now, const RobotTracks& robots) 
   is_announced_ = true;
 }
 
-/// A robot that does not kick gives back but some of the speed with which a ball comes, and hardly changes
-/// how fast it goes past.
+/// Whether the robot added speed to the ball, rather than only reflecting it: a passive robot returns only
+/// part of the approach speed and hardly changes the tangential speed.
 bool BallTrack::pushes(const TrackedRobot& robot, const Vector2d& ball_mm, const Vector2d& before,
                        const Vector2d& after) {
   constexpr double kGivesBack = 0.7, kMore_mm_s = 400, kLeaves_mm_s = 1000, kChanges = 0.4;
@@ -152,7 +155,7 @@ bool BallTrack::pushes(const TrackedRobot& robot, const Vector2d& ball_mm, const
          (leaves > kLeaves_mm_s && changes > kChanges * passes + kMore_mm_s);
 }
 
-/// Where its way so far and the new one meet.
+/// Closest approach of the old trajectory and the new one, extrapolated backwards from the branch.
 BallTrack::Meeting BallTrack::meeting_of(const Branch& branch, const RobotTracks& robots) const {
   const BallObservation& first = branch.first();
   const Vector2d velocity = branch.velocity(), way = unit_of(velocity);
@@ -173,7 +176,7 @@ BallTrack::Meeting BallTrack::meeting_of(const Branch& branch, const RobotTracks
   return out;
 }
 
-/// What it turned to is its way from now on.
+/// Continues the track with the branch's measurements.
 void BallTrack::follow(const Branch& branch) {
   point_count_ = 0;
   for (std::size_t i = 0; i < branch.count; ++i) add_point(branch.seen[i]);
@@ -183,10 +186,11 @@ void BallTrack::follow(const Branch& branch) {
   forget_branches();
 }
 
-/// What happened is where the old way and the new one meet.
+/// Locates the event (kick or deflection) where the old and the new trajectory meet, and continues on the new
+/// trajectory. Returns kNothing if the branch does not show a turn, or not yet.
 BallTrack::Saw BallTrack::explain(const Branch& branch, const RobotTracks& robots) {
   const BallObservation &first = branch.first(), &last = branch.last();
-  // What comes to lie elsewhere is no ball, as long as it does not last longer than those do.
+  // A stationary object that appears elsewhere is clutter, until it has lasted for kLasts measurements.
   constexpr double kHidden_s = 0.05;
   constexpr std::size_t kLasts = 6;
   if (branch.lies() && branch.count < kLasts && first.t_s - seen_s_ > kHidden_s) return Saw::kNothing;
@@ -214,7 +218,7 @@ BallTrack::Saw BallTrack::explain(const Branch& branch, const RobotTracks& robot
               (velocity - event.before_mm_s).norm() > kKicks_mm_s &&
               (was_held || pushes(robot, event.place_mm, event.before_mm_s, velocity));
   }
-  // What two cameras see at different times is no way, but that of a kick ahead.
+  // Measurements of two cameras give the trajectory of a held ball only if it was kicked straight ahead.
   if (was_held && first.camera_mm != last.camera_mm && (!is_kick || off_front > kAhead_rad))
     return Saw::kNothing;
   constexpr double kMeetsMm = 120, kTouchesMm = 200, kTurns_mm_s = 400;
@@ -263,7 +267,7 @@ void BallTrack::begin_kick(const TrackedRobot& robot, const Vector2d& velocity_m
   fit_shot();
 }
 
-/// What it met turned its way; it falls as before.
+/// A deflection in the air: the horizontal motion is estimated again, the vertical motion continues.
 void BallTrack::turn_in_the_air(const Branch& branch, double event_s) {
   flight_ = flight_at(event_s);
   constexpr double kMetSigmaMm = 40;
@@ -274,7 +278,7 @@ void BallTrack::turn_in_the_air(const Branch& branch, double event_s) {
   follow(branch);
 }
 
-/// A ball that was hidden, and is seen where it may have turned to, is there; its new way is known later.
+/// The newest branch that may be the hidden ball, before its new trajectory is known; null if there is none.
 const BallTrack::Branch* BallTrack::reappears(double t_s) const {
   constexpr double kHidden_s = 0.02, kLong_s = 0.5, kLately_s = 0.06;
   const Branch* out = nullptr;
@@ -282,14 +286,15 @@ const BallTrack::Branch* BallTrack::reappears(double t_s) const {
     if (branch.count == 0 || branch.lies()) continue;
     const double last_s = branch.last().t_s;
     if ((last_s - seen_s_ < kHidden_s && !is_announced_) || t_s - last_s > kLately_s) continue;
-    // After long, a single sighting is as likely no ball.
+    // After a long gap, a single measurement is equally likely to be clutter.
     if (last_s - seen_s_ > kLong_s && branch.count < 2) continue;
     if (!out || last_s > out->last().t_s) out = &branch;
   }
   return out;
 }
 
-/// False for what no ball does.
+/// Predicts the state at `t_s` of the ball found by reappears(). Returns false if the ball would be faster
+/// than any ball can be.
 bool BallTrack::where_it_reappears(const Branch& branch, double t_s, BallState& out) const {
   constexpr double kFastest_mm_s = 7500;
   const BallObservation &first = branch.first(), &last = branch.last();

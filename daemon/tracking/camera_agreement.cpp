@@ -13,9 +13,10 @@ using Eigen::Vector2d;
 
 namespace {
 
-/// What is expected of calibrations, clocks and robots before anything was seen.
+/// Prior sigmas of calibration errors, clock offsets and robots' heights.
 constexpr double kErrorMm = 1.4, kOffset_s = 0.5e-3, kHeightMm = 4.5;
-/// Of a difference between two cameras: what no squares describe, and what robots turn between their images.
+/// Variance of a difference between two cameras: errors that are not quadratic, and robots that turn between
+/// the two images.
 constexpr double kDifferenceVarMm2 = 1.5;
 constexpr double kSurprise = 25;
 
@@ -41,8 +42,9 @@ void CameraAgreement::forget(const Camera& camera, double error_mm) {
   cov_(camera.at + 2 * kTerms, camera.at + 2 * kTerms) = kOffset_s * kOffset_s;
 }
 
-/// The first state of a new camera; nothing where there is no room. The work grows as the square of the
-/// cameras' number, so a new one takes the place of another computer's that was silent for longest.
+/// Index of a new camera's first state; none if the maximum number of cameras is reached. The maximum exists
+/// because the cost grows with the square of the number of cameras. A new camera replaces the other
+/// computers' camera that has been silent for longest.
 std::optional<int> CameraAgreement::place_for_camera() {
   if (cameras_.size() < limits::kMaxCameras) return add_states(kPerCamera);
   auto silent = cameras_.end();
@@ -58,7 +60,7 @@ std::optional<int> CameraAgreement::place_for_camera() {
   return at;
 }
 
-/// Its earlier sightings must not be compared with later ones.
+/// Forgets the camera's earlier measurements, which must not be compared with later measurements.
 void CameraAgreement::forget_sightings(int camera) {
   std::erase_if(differences_,
                 [&](const auto& one) { return one.first.camera == camera || one.first.other == camera; });
@@ -92,13 +94,14 @@ Eigen::Matrix<double, CameraAgreement::kTerms, 1> CameraAgreement::terms(const C
   return out;
 }
 
-/// How far a robot that is one millimetre higher is seen farther out (mm).
+/// Shift of a robot's measured position, away from the camera, per millimetre of its height (mm/mm).
 Vector2d CameraAgreement::outwards(const Camera& camera, const Vector2d& place_mm, double height_mm) const {
   const double above_mm = std::max(limits::kMinAboveRobotMm, camera.center_mm.z() - height_mm);
   return (place_mm - camera.center_mm.head<2>()) / above_mm;
 }
 
-/// Null where there is no room. Other computers' robots leave half of it to ours and push none of ours out.
+/// Finds or adds a robot; null if the maximum number of robots is reached. Robots seen only by other
+/// computers use at most half of the entries and never replace a robot seen by our cameras.
 CameraAgreement::Track* CameraAgreement::track_of(const RobotName& robot, double t_s, bool is_of_other) {
   const auto known = tracks_.find(robot);
   if (known != tracks_.end()) return &known->second;
@@ -137,8 +140,8 @@ void CameraAgreement::see(int camera, const Seen& seen) {
   const double passed_s = now.t_s - before.t_s;
   constexpr double kNext_s = 0.12;
   if (track.by_camera.size() < 2 || passed_s <= 0 || passed_s > kNext_s) return;
-  // What is learnt changes slowly: once it is known, not every image is needed. Other computers' cameras take
-  // no turn from ours.
+  // The estimates change slowly: after kAtFirst comparisons, one per kEvery_s is enough. Comparisons with
+  // other computers' cameras are limited separately from comparisons between our cameras.
   const auto is_due = [&](const Compared& last) {
     constexpr int kAtFirst = 300;
     constexpr double kEvery_s = 0.05;
@@ -161,24 +164,25 @@ void CameraAgreement::see(int camera, const Seen& seen) {
   }
 }
 
-/// False: the filter was not finite and was reset.
+/// Returns false if the filter was not finite and was reset.
 bool CameraAgreement::compare(const Pair& pair, const Track& track) {
   const Camera &a = cameras_.at(pair.a), &b = cameras_.at(pair.b);
-  // No camera sees the top of what is as high as itself.
+  // A camera cannot see the top of a robot as high as itself.
   if (std::min(a.center_mm.z(), b.center_mm.z()) < pair.height_mm + limits::kMinAboveRobotMm) return true;
   const auto terms_a = terms(a, pair.place_a_mm), terms_b = terms(b, pair.place_b_mm);
   const Vector2d higher =
       outwards(a, pair.place_a_mm, pair.height_mm) - outwards(b, pair.place_b_mm, pair.height_mm);
   const Vector2d apart = pair.place_a_mm - pair.place_b_mm;
-  /// Farther apart are two robots, of which one was misread.
+  /// At larger distances, the measurements are of two robots, one of which was misread.
   constexpr double kSameRobotMm = 150;
   if (!(apart.norm() <= kSameRobotMm)) return true;
   const double ahead_s = states_[a.at + 2 * kTerms] - states_[b.at + 2 * kTerms];
-  // Robots differ in height; what all of them have in common may as well be the cameras'.
+  // Only height differences between robots count: a height error common to all robots may equally be an error
+  // of the cameras.
   double common_mm = 0;
   for (const auto& [name, one] : tracks_) common_mm += states_[one.at] / static_cast<double>(tracks_.size());
   note_difference(pair, apart - higher * (states_[track.at] - common_mm) + pair.velocity_mm_s * ahead_s);
-  // Between two images it did not go straight on.
+  // Interpolation error if the robot accelerated between the two images.
   constexpr double kAcceleration_mm_s2 = 4000;
   const double swerves_mm = kAcceleration_mm_s2 * pair.passed_s * pair.passed_s / 8;
   bool is_surprise = false;
@@ -188,7 +192,7 @@ bool CameraAgreement::compare(const Pair& pair, const Track& track) {
       row_.emplace_back(a.at + axis * kTerms + i, terms_a[i]);
       row_.emplace_back(b.at + axis * kTerms + i, -terms_b[i]);
     }
-    // A clock that is ahead says a time at which the robot was not yet there.
+    // For a given time, a camera whose clock is ahead reports an earlier position of the robot.
     row_.emplace_back(a.at + 2 * kTerms, -pair.velocity_mm_s[axis]);
     row_.emplace_back(b.at + 2 * kTerms, pair.velocity_mm_s[axis]);
     row_.emplace_back(track.at, higher[axis]);
@@ -208,19 +212,19 @@ bool CameraAgreement::compare(const Pair& pair, const Track& track) {
       is_surprise = true;
       continue;
     }
-    // Own cameras' uncertainty adds to the variance, but they are not corrected by other computers' cameras.
+    // Our cameras' uncertainty adds to the variance, but other computers' cameras do not correct our cameras.
     if (a.is_of_other_computer || b.is_of_other_computer) keep_own();
     states_ += gain_ * (off / variance);
     cov_.noalias() -= gain_ * gain_.transpose() / variance;
   }
-  // Robots are misread now and then. A camera that was bumped surprises again and again: what was learnt of
-  // it is no longer true.
+  // Single outliers are misread robots. Repeated outliers mean that a camera was bumped, so its estimates are
+  // no longer valid.
   constexpr int kBumped = 60;
   int& surprises = surprises_[std::minmax(pair.a, pair.b)];
   surprises = is_surprise ? surprises + 1 : std::max(0, surprises - 3);
   if (surprises < kBumped) return true;
   surprises = 0;
-  // Of two cameras, one of another computer, that one was.
+  // If only one of the two cameras belongs to another computer, reset only that camera.
   const double error_mm = std::max(kErrorMm, apart.norm());
   if (a.is_of_other_computer || !b.is_of_other_computer) forget(a, error_mm);
   if (b.is_of_other_computer || !a.is_of_other_computer) forget(b, error_mm);
@@ -230,8 +234,8 @@ bool CameraAgreement::compare(const Pair& pair, const Track& track) {
   return true;
 }
 
-/// Own cameras and robots' heights have no gain; so they never correlate with other computers' cameras
-/// either.
+/// Zeroes the gain of the states of our cameras and of the robots' heights, so that these states never
+/// correlate with the states of other computers' cameras, either.
 void CameraAgreement::keep_own() {
   for (const auto& [id, camera] : cameras_) {
     if (!camera.is_of_other_computer) gain_.segment(camera.at, kPerCamera).setZero();
@@ -246,8 +250,8 @@ void CameraAgreement::begin_again() {
 }
 
 void CameraAgreement::note_difference(const Pair& pair, const Vector2d& off_mm) {
-  // As of a field of 16 x 16 m. Other computers' cameras leave half of it to ours.
-  constexpr std::size_t kMostParts = 1024;
+  // Enough for a field of 16 x 16 m. Other computers' cameras use at most half of these parts.
+  constexpr std::size_t kMaxParts = 1024;
   constexpr double kRemembers = 100;  // samples
   const bool is_swapped = pair.b < pair.a;
   const Vector2d place = pair.place_a_mm / kPartMm;
@@ -257,7 +261,7 @@ void CameraAgreement::note_difference(const Pair& pair, const Vector2d& off_mm) 
   if (known == differences_.end()) {
     const bool is_of_other =
         cameras_.at(pair.a).is_of_other_computer || cameras_.at(pair.b).is_of_other_computer;
-    if (differences_.size() >= (is_of_other ? kMostParts / 2 : kMostParts)) return;
+    if (differences_.size() >= (is_of_other ? kMaxParts / 2 : kMaxParts)) return;
     const Vector2d middle((key.column + 0.5) * kPartMm, (key.row + 0.5) * kPartMm);
     known = differences_.emplace(key, Difference{key.camera, key.other, middle}).first;
   }
@@ -275,8 +279,8 @@ void CameraAgreement::forget_differences(double before_s) {
 void CameraAgreement::follow(double passed_s) {
   constexpr double kFollows_s = 0.4;
   taken_off_ += (states_ - taken_off_) * (1 - std::exp(-passed_s / kFollows_s));
-  // Nothing stays as it is for hours: mounts warm up, clocks drift, a robot is replaced by another with its
-  // id. So what was learnt becomes as uncertain again as it was at first, in this time.
+  // Mounts warm up, clocks drift, and a robot may be replaced by another with its id. So within this time the
+  // estimates become as uncertain as they were initially.
   constexpr double kForgets_s = 600;
   const double share = std::clamp(passed_s, 0.0, 1.0) / kForgets_s;
   const auto forget_some = [&](int first, int count, double sigma) {

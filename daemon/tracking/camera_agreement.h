@@ -15,26 +15,27 @@
 
 namespace sslv {
 
-/// What is left over of the cameras' calibrations and clocks, and of the robots' heights, learnt from robots
-/// that two cameras see: each camera's error as squares of the place, its time offset, each robot's own
-/// height. Only what cameras do not agree on can be learnt; what all have in common stays.
+/// Estimates the remaining errors of the cameras' calibrations and clocks, and of the robots' heights, from
+/// robots that two cameras see: for each camera, a quadratic function of the position and a time offset; for
+/// each robot, its own height. Only differences between cameras are observable; errors common to all cameras
+/// remain.
 ///
-/// Cameras of other computers are corrected by what ours see, never the other way round: what is known of our
-/// own cameras, and of robots' heights, is the same with and without them.
+/// Other computers' cameras are corrected by ours, never the other way round: the estimates of our own
+/// cameras and of robots' heights are the same with and without them.
 class CameraAgreement {
  public:
-  /// What two cameras differ by in one part of the field, without what their clocks make, and what robots of
-  /// different heights do.
+  /// Mean difference between two cameras in one part of the field, without the effects of their clocks and of
+  /// robots' different heights.
   struct Difference {
     int camera, other;
     Eigen::Vector2d place_mm;      // the middle of the part
-    Eigen::Vector2d off_mm{0, 0};  // where `camera` sees robots, from where `other` does
-    double samples = 0, t_s = 0;   // how many, and when the last was
+    Eigen::Vector2d off_mm{0, 0};  // `camera`'s positions minus `other`'s
+    double samples = 0, t_s = 0;   // number (limited); time of the last sample
   };
-  /// The parts are squares of this size.
+  /// Side of the parts, which are squares.
   static constexpr double kPartMm = 500;
 
-  /// A robot as a camera sees it again and again, at that camera's time.
+  /// One camera's uncorrected measurement of a robot, at that camera's time.
   struct Seen {
     RobotName robot;
     Eigen::Vector2d place_mm;  // on the plane z = height_mm
@@ -42,30 +43,32 @@ class CameraAgreement {
     double t_s;
   };
 
-  /// Where the camera hangs. To be called before the sightings of each image; another place means that it was
-  /// calibrated, and forgets its errors.
+  /// Sets the camera's position. Call it before see() for each image. A changed position means a new
+  /// calibration: the camera's errors are reset.
   void set_camera(int camera, const Eigen::Vector3d& center_mm, bool is_of_other_computer = false);
 
-  /// Compares with what other cameras saw just before.
+  /// Compares the measurement with other cameras' measurements since this camera's previous image.
   void see(int camera, const Seen& seen);
 
-  /// Lets what is taken off follow what was learnt, slowly, so that no track jumps when something is learnt.
+  /// Moves the applied corrections slowly towards the estimates, so that no track jumps.
   void follow(double passed_s);
 
-  /// To be taken off a robot's place as the camera has it.
+  /// Error to subtract from a robot's position measured by the camera (mm).
   Eigen::Vector2d error_of(int camera, const Eigen::Vector2d& place_mm) const;
-  /// Likewise, for a robot that is higher or lower than the plane on which the camera has it.
+  /// Error to subtract from a robot's position measured by the camera (mm) because the robot is higher or
+  /// lower than the plane on which the camera measures it.
   Eigen::Vector2d height_error_of(int camera, const RobotName& robot, const Eigen::Vector2d& place_mm,
                                   double height_mm) const;
-  /// To be taken off the camera's times.
+  /// Offset to subtract from the camera's times.
   double time_offset_s(int camera) const;
-  /// A robot's own height, over that of its plane, and how sure that is.
+  /// Estimate of a robot's height above the plane on which cameras measure it, and the estimate's sigma.
   struct Height {
     double more_mm, sigma_mm;
   };
+  /// Empty while nothing is known about this robot.
   std::optional<Height> height_of(const RobotName& robot) const;
 
-  /// Calls use(camera) for each that was set.
+  /// Calls use(camera) for each camera that was set.
   template <class Use>
   void for_cameras(const Use& use) const {
     for (const auto& [camera, one] : cameras_) use(camera);
@@ -80,18 +83,18 @@ class CameraAgreement {
   void for_differences(const Use& use) const {
     for (const auto& [key, one] : differences_) use(one);
   }
-  /// Lets go of differences that were seen last before then.
+  /// Drops differences whose last sample is older than `before_s`.
   void forget_differences(double before_s);
-  /// How often it was not finite and was reset.
+  /// Number of times that the filter was not finite and was reset.
   std::uint64_t repaired() const { return repaired_; }
 
  private:
   static constexpr int kTerms = 6, kPerCamera = 2 * kTerms + 1;
   struct Camera {
     Eigen::Vector3d center_mm;
-    int at;  // its first state
+    int at;  // index of its first state
     bool is_of_other_computer;
-    std::uint64_t heard;  // when, last: see heard_
+    std::uint64_t heard;  // value of heard_ at its last image
   };
   struct Last {
     Eigen::Vector2d place_mm;
@@ -102,11 +105,11 @@ class CameraAgreement {
     int count = 0;
   };
   struct Track {
-    int at;  // its height's state
+    int at;  // index of its height's state
     double seen_s = 0;
     bool is_ours = false;                            // our own cameras have seen it
-    std::array<Compared, 2> compared{};              // our own cameras; with another computer's
-    std::map<int, std::pair<Last, Last>> by_camera;  // before, now
+    std::array<Compared, 2> compared{};              // between our cameras; with other computers' cameras
+    std::map<int, std::pair<Last, Last>> by_camera;  // previous and current measurement
   };
   using Row = std::vector<std::pair<int, double>>;
 
@@ -117,11 +120,11 @@ class CameraAgreement {
   Track* track_of(const RobotName& robot, double t_s, bool is_of_other);
   Eigen::Matrix<double, kTerms, 1> terms(const Camera& camera, const Eigen::Vector2d& place_mm) const;
   Eigen::Vector2d outwards(const Camera& camera, const Eigen::Vector2d& place_mm, double height_mm) const;
-  /// A robot that two cameras saw at the same moment.
+  /// Positions of a robot measured by two cameras, at the time of b's image; interpolated for `a`.
   struct Pair {
     int a, b;  // the cameras
     Eigen::Vector2d place_a_mm, place_b_mm, velocity_mm_s;
-    double passed_s;  // between the two images of `a` among which b's is
+    double passed_s;  // between the images of `a` before and after b's image
     double height_mm, t_s;
   };
   bool compare(const Pair& pair, const Track& track);
@@ -139,7 +142,7 @@ class CameraAgreement {
     }
   };
   std::map<PartKey, Difference> differences_;
-  std::map<std::pair<int, int>, int> surprises_;  // of two cameras, one after the other
+  std::map<std::pair<int, int>, int> surprises_;  // recent outliers for each pair of cameras
   Eigen::VectorXd states_, taken_off_;
   Eigen::MatrixXd cov_;
   std::uint64_t repaired_ = 0;

@@ -11,23 +11,26 @@
 
 namespace sslv {
 
-/// What the cameras that see one thing still differ by, so that its track does not go to and fro between
-/// them: cameras that see it at the same time keep their differences; what they have in common fades.
-/// `Camera`: by what they are told apart. Of the kCount cameras that saw it last.
+/// Estimates the remaining offsets between the cameras that see one object, so that the object's track does
+/// not jump when the camera changes. The differences between cameras that see the object at the same time are
+/// kept; the common offset of these cameras decays. `Camera`: key of a camera. Holds the kCount cameras that
+/// saw the object last.
 template <class Camera, std::size_t kCount>
 class CameraDifferences {
  public:
-  /// Larger differences are no camera's. `starts_alone`: a camera that sees it again, and alone, keeps to
-  /// where it was expected.
+  /// Offsets of `most_mm` and more are not due to a camera. `starts_alone`: if a camera sees the object again
+  /// after a gap, and no other camera sees it, the camera's innovation becomes its offset, so that the track
+  /// stays at its prediction.
   CameraDifferences(double most_mm, bool starts_alone) : most_mm_(most_mm), starts_alone_(starts_alone) {}
 
-  /// As if nothing had been seen before this.
+  /// Restarts with this camera as the only one that has seen the object.
   void start(const Camera& camera, double t_s) {
     all_.fill({});
     of(camera).seen_s = t_s;
   }
 
-  /// To be taken off what this camera sees, which is `off_mm` from where it is expected.
+  /// Updates the offsets with this camera's innovation `off_mm`. Returns the offset to subtract from `off_mm`
+  /// (mm).
   Eigen::Vector2d take(const Camera& camera, double t_s, const Eigen::Vector2d& off_mm) {
     constexpr double kNew_s = 0.25, kAlso_s = 0.04, kFades_s = 0.5, kLearns = 0.12;
     One& here = of(camera);
@@ -55,12 +58,12 @@ class CameraDifferences {
 
  private:
   struct One {
-    std::optional<Camera> camera;  // none: nothing was seen yet
+    std::optional<Camera> camera;  // none: unused
     Eigen::Vector2d off_mm{0, 0};
     double seen_s = -1e9;
   };
 
-  /// Instead of the one that saw it longest ago, when there is none yet.
+  /// The camera's entry; a new camera replaces the camera whose last measurement of the object is oldest.
   One& of(const Camera& camera) {
     One* oldest = &all_[0];
     for (One& one : all_) {

@@ -9,7 +9,7 @@
 
 namespace sslv {
 
-/// Says when an image was really taken: see FrameClock.
+/// Estimates the true capture time of an image: see FrameClock.
 class Clocks {
  public:
   struct Params {

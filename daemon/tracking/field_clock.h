@@ -3,11 +3,11 @@
 
 namespace sslv {
 
-/// What time it is where tracks are made: this computer's, or that of a world that is simulated.
+/// Current time of the tracker: the time of this computer or of a simulated world.
 class FieldClock {
  public:
   virtual ~FieldClock() = default;
-  /// Unix time, as t_capture.
+  /// Unix time (s), like t_capture.
   virtual double now_s() const noexcept = 0;
 };
 

@@ -26,28 +26,28 @@ double FrameClock::time_of(double t_capture_s) noexcept {
     t_s_ = t_capture_s;
     return t_s_;
   }
-  // Whatever images are numbered by: some were left out when more than a period has passed.
+  // If more than a period has passed, images are missing, regardless of their numbers.
   double periods = std::max(1.0, std::round((t_capture_s - t_s_) / period_s_));
   double expected_s = t_s_ + periods * period_s_;
   double off_s = t_capture_s - expected_s;
-  if (images_ < 6 && passed_s < 0.7 * period_s_) {  // the first two were not next to each other
+  if (images_ < 6 && passed_s < 0.7 * period_s_) {  // the first two images were not consecutive
     period_s_ = passed_s;
     t_s_ = t_capture_s;
     images_ = 2;
     return t_s_;
   }
-  // Another rate, or a clock that was set.
-  constexpr double kMostOff = 0.35, kSame = 0.97;
-  if (std::abs(off_s) > kMostOff * period_s_) {
+  // The rate changed, or a clock was set.
+  constexpr double kMaxOff = 0.35, kSame = 0.97;
+  if (std::abs(off_s) > kMaxOff * period_s_) {
     start(t_capture_s);
     return t_s_;
   }
   drift_s_ = kSame * drift_s_ + (1 - kSame) * off_s;
   jitter_s_ = std::sqrt(kSame * jitter_s_ * jitter_s_ + (1 - kSame) * off_s * off_s);
-  // A rate that changes a little shows as differences of one sign: then it is learnt again.
+  // Deviations of one sign mean that the rate has changed a little: estimate it again.
   constexpr int kSettled = 60;
   if (images_ > kSettled && std::abs(drift_s_) > 0.7 * jitter_s_ + 1e-5) images_ = 8;
-  // At first as a straight line through all stamps would have it.
+  // At first, these are the gains of a straight line fitted to all time stamps.
   const double count = images_;
   const double follow = std::max(0.03, 2 * (2 * count - 1) / (count * (count + 1)));
   const double rate = std::max(0.0004, 6 / (count * (count + 1)));
@@ -57,7 +57,7 @@ double FrameClock::time_of(double t_capture_s) noexcept {
 }
 
 double FrameClock::sigma_s() const noexcept {
-  constexpr double kLeast_s = 0.02e-3, kSettles = 0.12;  // after following for a while
+  constexpr double kLeast_s = 0.02e-3, kSettles = 0.12;  // share of the jitter that remains once settled
   return std::max(kLeast_s, kSettles * jitter_s_);
 }
 

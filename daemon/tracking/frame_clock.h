@@ -3,16 +3,16 @@
 
 namespace sslv {
 
-/// When a camera's images were really taken. A camera takes them at an even rate, but their time stamps
-/// jitter: by .2 ms, a robot at 4 m/s moves ten times as far as its place is uncertain. So the clock follows
-/// the stamps slowly.
+/// Estimates the true capture times of a camera's images. A camera takes images at a constant rate, but their
+/// time stamps jitter: in 0.2 ms, a robot at 4 m/s moves by ten times the uncertainty of its position. So the
+/// clock follows the stamps slowly.
 class FrameClock {
  public:
-  /// The time of an image, from its stamp. Starts again where stamps jump or stop.
+  /// Estimated capture time of the image with this time stamp. Restarts when stamps jump or pause.
   double time_of(double t_capture_s) noexcept;
-  /// How much stamps differ from the even rate (rms).
+  /// Deviation of the stamps from the constant rate (rms, s).
   double jitter_s() const noexcept { return jitter_s_; }
-  /// How sure its times are.
+  /// Sigma of the estimated times (s).
   double sigma_s() const noexcept;
 
  private:
@@ -20,7 +20,7 @@ class FrameClock {
 
   int images_ = 0;
   double t_s_ = 0, stamp_s_ = 0, period_s_ = 0;
-  double jitter_s_ = 0, drift_s_ = 0;  // means of the last stamps' differences, without and with their signs
+  double jitter_s_ = 0, drift_s_ = 0;  // rms and mean of the last stamps' deviations
 };
 
 }  // namespace sslv

@@ -17,11 +17,11 @@ using Eigen::Matrix2d, Eigen::Vector2d;
 
 constexpr double kMaxAngleSigma_rad = 100;
 
-/// Neither nothing nor more than any field is long.
+/// Whether the covariance is positive and smaller than any field.
 bool is_sensible(const Matrix2d& cov_mm2) {
-  constexpr double kMostMm2 = 1e10;
+  constexpr double kMaxMm2 = 1e10;
   return cov_mm2.allFinite() && cov_mm2(0, 0) > 0 && cov_mm2(1, 1) > 0 && cov_mm2.determinant() > 0 &&
-         cov_mm2.trace() < kMostMm2;
+         cov_mm2.trace() < kMaxMm2;
 }
 
 }  // namespace
@@ -40,12 +40,12 @@ bool Gather::is_taken(const Params& params, const ArrivedSightings& arrived, dou
     return leave_out(LeftOut::Why::kTime, left_out.images_off_time);
   constexpr double kForgotten_s = 10;
   std::erase_if(heard_, [&](const auto& one) { return std::abs(now_s - one.second.t_s) > kForgotten_s; });
-  // Other computers' cameras take no place from our own.
+  // Other computers' cameras never replace our own.
   if (image.is_of_other_computer && !heard_.contains(image.camera) && heard_.size() >= limits::kMaxCameras)
     return leave_out(LeftOut::Why::kTooMany, left_out.images_of_too_many);
   heard_[image.camera] = {now_s, image.is_of_other_computer};
   if (heard_.size() <= limits::kMaxCameras) return true;
-  // Our own camera takes the place of another computer's that has been silent for longest.
+  // Our own camera replaces the other computers' camera that has been silent for longest.
   const auto silent = std::ranges::min_element(heard_, {}, [](const auto& one) {
     return std::pair(!one.second.is_of_other_computer, one.second.t_s);
   });

@@ -13,23 +13,25 @@
 
 namespace sslv {
 
-/// What was left out of images, and why. Counts since the service began.
+/// Numbers of dropped images and detections since the service started, and the reason for the last drop.
 struct LeftOut {
-  std::uint64_t images_off_time = 0;     // whose time is far from this computer's
-  std::uint64_t images_of_too_many = 0;  // cameras
-  std::uint64_t sightings = 0;  // without sense, far off the field, or of an id that was seen already
-  // The last image that was left out.
+  std::uint64_t images_off_time = 0;     // capture time too far from this computer's clock
+  std::uint64_t images_of_too_many = 0;  // images from cameras beyond the maximum number
+  std::uint64_t sightings = 0;           // invalid, far off the field, or with an id that occurs twice
+  /// Why the last image was dropped.
   enum class Why : std::uint8_t { kNothing, kTime, kTooMany };
   friend constexpr Why largest(Why) { return Why::kTooMany; }
+  // The last dropped image:
   Why why = Why::kNothing;
   int camera = -1;
   double t_s = 0;
 };
 
-/// Takes what a camera saw into the field where it fits the field and this computer's clock, and says how
-/// certain it is where the camera does not.
+/// Accepts the measurements of a camera if they match the field and this computer's clock. Adds covariances
+/// if the camera gives none.
 class Gather {
  public:
+  /// Parameters of the stage.
   struct Params {
     double max_time_off_s = 0.5;
     double reach_mm = 2000;
@@ -50,6 +52,7 @@ class Gather {
       };
     }
   };
+  /// Copies valid measurements of `arrived` to `out` and counts the others in `left_out`.
   void process(const Params& params, const FieldSize& field, const FieldClock& clock,
                const ArrivedSightings& arrived, CameraSightings& out, LeftOut& left_out) noexcept;
 

@@ -15,11 +15,12 @@ using Eigen::Vector2d, Eigen::Vector3d;
 namespace {
 
 constexpr std::size_t kMaxResiduals = 3 * kMaxShotPoints + 8;
-/// What a camera's clock does not know of a sighting.
+/// Timestamp uncertainty of a measurement.
 constexpr double kShotTimeSigma_s = 0.1e-3;
 constexpr double kFastestShot_mm_s = 7200, kSlowestRise_mm_s = 50;
 
-/// Levenberg-Marquardt of N parameters; residuals are written to an array, and counted.
+/// Levenberg-Marquardt over N parameters. `residuals` fills an array and returns the number of values
+/// written; `bound` limits the parameters. Returns the sum of squared residuals.
 template <int N, class Residuals, class Bound>
 double fit(Eigen::Matrix<double, N, 1>& parameters, const Eigen::Matrix<double, N, 1>& steps, int iterations,
            const Residuals& residuals, const Bound& bound) {
@@ -116,14 +117,14 @@ ShotFit fit_flat(const ShotFit& guess, std::span<const ShotPoint> points, const 
 
 ShotFit fit_chip(const ShotFit& guess, std::span<const ShotPoint> points, const BallModel& model,
                  const ShotPrior& prior, int iterations) {
-  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  using Unknowns = Eigen::Matrix<double, 6, 1>;
   points = points.first(std::min(points.size(), kMaxShotPoints));
-  Vector6 at;
+  Unknowns at;
   at << guess.shot.place_mm, guess.shot.velocity_mm_s, 0;
-  const auto shot_of = [&](const Vector6& x) {
+  const auto shot_of = [&](const Unknowns& x) {
     return BallShot{guess.shot.t_s + x[5], x.head<2>(), x.segment<3>(2)};
   };
-  const auto residuals = [&](const Vector6& x, std::array<double, kMaxResiduals>& out) {
+  const auto residuals = [&](const Unknowns& x, std::array<double, kMaxResiduals>& out) {
     const BallShot shot = shot_of(x);
     std::size_t count = 0;
     for (const ShotPoint& point : points) {
@@ -141,7 +142,7 @@ ShotFit fit_chip(const ShotFit& guess, std::span<const ShotPoint> points, const 
     out[count++] = (x[0] - guess.shot.place_mm.x()) / prior.place_sigma_mm;
     out[count++] = (x[1] - guess.shot.place_mm.y()) / prior.place_sigma_mm;
     out[count++] = x[5] / prior.t_sigma_s;
-    // A kicker's angle is that in its robot's frame, but for what the ball does not keep of its velocity.
+    // A kicker's angles are fixed in the robot's frame. The ball keeps part of the robot's velocity (kKeeps).
     constexpr double kKeeps = 0.5, kKeepsSigma = 0.25, kAheadSigma_rad = 0.05;
     const Vector2d robot = prior.robot ? prior.robot->velocity_mm_s : Vector2d(0, 0);
     const Vector2d kicked = flat - kKeeps * robot;
@@ -155,12 +156,12 @@ ShotFit fit_chip(const ShotFit& guess, std::span<const ShotPoint> points, const 
     }
     return count;
   };
-  const auto bound = [](Vector6& x) {
+  const auto bound = [](Unknowns& x) {
     x[4] = std::max(x[4], kSlowestRise_mm_s);
     const double speed = x.segment<3>(2).norm();
     if (speed > kFastestShot_mm_s) x.segment<3>(2) *= kFastestShot_mm_s / speed;
   };
-  Vector6 steps;
+  Unknowns steps;
   steps << 0.1, 0.1, 1, 1, 1, 1e-5;
   ShotFit out;
   out.chi2 = fit<6>(at, steps, iterations, residuals, bound);

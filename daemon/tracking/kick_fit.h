@@ -10,21 +10,21 @@
 
 namespace sslv {
 
-/// A sighting of a ball after a kick.
+/// A ball measurement, as used by the fits.
 struct ShotPoint {
   double t_s;
-  Eigen::Vector3d camera_mm;  // where the camera hangs that saw it
-  Eigen::Vector2d place_mm;   // as if on the floor
+  Eigen::Vector3d camera_mm;  // the camera's position
+  Eigen::Vector2d place_mm;   // projected onto the floor (z = ball radius)
   double sigma_mm;
-  double height_mm, height_sigma_mm;  // of its centre, as its size tells
+  double height_mm, height_sigma_mm;  // the ball's centre, from its apparent size
 };
 
-/// What is known before a fit.
+/// Priors of a fit.
 struct ShotPrior {
   double place_sigma_mm = 3, t_sigma_s = 2e-3;
   double slides_sigma_mm_s2 = 300;
-  double rises_deg = 45, rises_sigma_deg = 6;  // of a chip
-  /// Where the robot that kicked looked, and its velocity, of which the ball keeps a part.
+  double rises_deg = 45, rises_sigma_deg = 6;  // elevation angle of a chip
+  /// The kicking robot's heading (unit vector) and velocity. The ball keeps part of this velocity.
   struct Robot {
     Eigen::Vector2d ahead{1, 0}, velocity_mm_s{0, 0};
   };
@@ -37,15 +37,16 @@ struct ShotFit {
   double chi2 = 0;
 };
 
-/// The most points that are looked at.
+/// Maximum number of points that a fit uses; it ignores further points.
 inline constexpr std::size_t kMaxShotPoints = 50;
 
-/// A shot along the floor, from a first guess; its moment stays. Gauss-Newton over place, velocity and
-/// deceleration.
+/// Fits a shot along the floor, starting from `guess`: position, velocity and deceleration. The kick's time
+/// is fixed. chi2 includes the priors.
 ShotFit fit_flat(const ShotFit& guess, std::span<const ShotPoint> points, const BallModel& model,
                  const ShotPrior& prior);
 
-/// A chip; its moment is fitted, too. What a camera sees of a ball in the air lies farther out.
+/// Fits a chip: position, velocity and the kick's time. A ball in the air is projected to a floor position
+/// farther from the camera. chi2 includes the priors.
 ShotFit fit_chip(const ShotFit& guess, std::span<const ShotPoint> points, const BallModel& model,
                  const ShotPrior& prior, int iterations);
 

@@ -8,7 +8,7 @@
 
 namespace sslv {
 
-/// -pi .. pi.
+/// Wraps to -pi .. pi.
 inline double around(double angle_rad) {
   return std::remainder(angle_rad, 2 * std::numbers::pi);
 }

@@ -14,20 +14,20 @@ using Eigen::Matrix2d, Eigen::Matrix3d, Eigen::Vector2d, Eigen::Vector3d;
 
 namespace {
 
-/// Robots change their acceleration all the time: white noise of the jerk (mm2/s5, rad2/s5).
+/// Robots change their acceleration all the time: spectral density of white jerk noise (mm2/s5, rad2/s5).
 constexpr double kJerk = 1e7, kTurnJerk = 2e4;
-/// What a manoeuvre adds to the uncertainty of the acceleration, how long ago it began, and how surprising a
-/// sighting must be for one (in squares of sigmas).
-constexpr double kManoeuvre = 1.2e7, kManoeuvreAge_s = 0.012, kSurprise = 9, kGreatSurprise = 25;
-/// What a push by another robot adds to the uncertainty of the velocity (mm2/s2).
+/// A manoeuvre: the variance that it adds to the acceleration (mm2/s4); the time since it began; the
+/// innovations (in squares of sigmas) above which a weak or a full manoeuvre is assumed.
+constexpr double kManoeuvre = 1.2e7, kManoeuvreAge_s = 0.012, kRobotSurprise = 9, kGreatSurprise = 25;
+/// Variance that a push by another robot adds to the velocity (mm2/s2).
 constexpr double kPush = 3e5, kPushSurprise = 60;
 constexpr double kTurnManoeuvre = 1500, kTurnManoeuvreAge_s = 0.02, kTurnSurprise = 25;
 constexpr double kMaxAcceleration_mm_s2 = 6500, kMaxTurnAcceleration = 80;
 constexpr double kFastest_mm_s = 6000;
-/// What calibrations still differ by from one place to the next.
+/// Remaining calibration errors, which vary from place to place.
 constexpr double kPlaceSigmaMm = 0.05, kAngleSigma_rad = 8e-4;
 
-/// White noise of the third derivative over this time, of one axis.
+/// Covariance of one axis after `passed_s` of white jerk noise, for a spectral density of 1.
 Matrix3d jerk_noise(double passed_s) {
   const double d = std::abs(passed_s), d2 = d * d, d3 = d2 * d;
   Matrix3d out;
@@ -37,13 +37,13 @@ Matrix3d jerk_noise(double passed_s) {
   return out;
 }
 
-/// What an acceleration that began so long ago makes uncertain, for each unit of its variance.
+/// Covariance due to an acceleration of variance 1 that began `age_s` ago.
 Matrix3d manoeuvre_noise(double age_s) {
   const Vector3d effect(age_s * age_s / 2, age_s, 1);
   return effect * effect.transpose();
 }
 
-/// The same of a velocity that it was given at some time of this.
+/// Covariance due to a velocity change of variance 1 at an unknown time within `passed_s`.
 Matrix3d push_noise(double passed_s) {
   Matrix3d out;
   out << passed_s * passed_s / 3, passed_s / 2, 0, passed_s / 2, 1, 0, 0, 0, 0;
@@ -56,7 +56,7 @@ Matrix3d step_of(double passed_s) {
   return out;
 }
 
-/// What holds of one axis holds of the other.
+/// Applies the matrix of one axis to both axes.
 RobotTrack::Matrix6 of_both_axes(const Matrix3d& one) {
   RobotTrack::Matrix6 out = RobotTrack::Matrix6::Zero();
   for (int i = 0; i < 3; ++i) {
@@ -65,14 +65,15 @@ RobotTrack::Matrix6 of_both_axes(const Matrix3d& one) {
   return out;
 }
 
-/// How far from where it is expected a robot can be after so long.
+/// Radius of the gate `passed_s` after the last measurement (mm).
 double reach_mm(double passed_s) {
   constexpr double kJumpMm = 20, kLongest_s = 0.1;
   return kFastest_mm_s * std::min(std::abs(passed_s), kLongest_s) + kJumpMm;
 }
 
-/// However surprising, as sure as if it were off by this many sigma: every robot may move as no model says.
-constexpr double kMostSigmas = 5;
+/// Limit of the innovation in the moving robot's likelihood: any robot may move in a way that no model
+/// predicts.
+constexpr double kMaxSigmas = 5;
 
 double likelihood(const Vector2d& off, const Matrix2d& cov, double most_sigmas) {
   const double square = std::min(off.dot(cov.inverse() * off), most_sigmas * most_sigmas);
@@ -105,13 +106,13 @@ void RobotTrack::begin(const RobotObservation& first) {
 }
 
 bool RobotTrack::is_finite() const {
-  // One that is not finite makes the sum not finite. What is beside a diagonal reaches it with the next step.
+  // Any non-finite term makes the sum non-finite. Off-diagonal terms reach the diagonal in the next step.
   return std::isfinite(state_.sum() + cov_.trace() + angle_.sum() + angle_cov_.trace() + stands_mm_.sum() +
                        stands_var_mm2_ + stands_share_ + noise_factor_ + t_s_ + seen_s_ + stood_s_);
 }
 
 bool RobotTrack::is_sure() const {
-  // Two in images that follow each other, or three.
+  // Two measurements in successive images, or three.
   constexpr double kNext_s = 0.03;
   return sightings_ > 2 || (sightings_ == 2 && second_after_s_ < kNext_s);
 }
@@ -126,7 +127,7 @@ bool RobotTrack::goes_on(const RobotObservation& second) const {
 void RobotTrack::predict(double t_s) {
   const double passed_s = t_s - t_s_;
   if (passed_s == 0) return;
-  // of_both_axes(step) from the left and from the right, without its zeros and ones
+  // F * state_ and F * cov_ * F^T, F = of_both_axes(step), without multiplying by its zeros and ones
   const double half_square = passed_s * passed_s / 2;
   state_.head<2>() += passed_s * state_.segment<2>(2) + half_square * state_.tail<2>();
   state_.segment<2>(2) += passed_s * state_.tail<2>();
@@ -154,12 +155,14 @@ bool RobotTrack::is_now_at(const RobotObservation& sighting) {
     other_s_ = sighting.t_s;
     return false;
   }
-  // While it is seen where it was, the other one is another robot with the same id.
+  // While the robot is still seen at its old position, the robot seen elsewhere is another robot with the
+  // same id.
   constexpr double kNotHere_s = 0.05;
   return elsewhere_ >= kSure && sighting.t_s - seen_s_ > kNotHere_s;
 }
 
-/// One that is seen elsewhere while this one is seen here is another robot with the same id, and stays one.
+/// A robot seen elsewhere while this one is seen here is another robot with the same id, and continues to be
+/// treated as such.
 void RobotTrack::is_seen_here(const RobotObservation& sighting) {
   constexpr double kLately_s = 0.05, kApartMm = 150;  // no two robots are nearer
   if (elsewhere_ > 0 && std::abs(sighting.t_s - elsewhere_s_) < kLately_s &&
@@ -182,7 +185,7 @@ RobotTrack::Step RobotTrack::last_step() const {
 }
 
 bool RobotTrack::add(const RobotObservation& sighting, const Circumstances& now, Step* step) {
-  // A second one that cannot go on from the first takes its place, unless it is of the same moment.
+  // A second measurement that cannot follow the first one replaces it, unless both have the same time.
   constexpr double kSecond_s = 0.25, kSameTime_s = 0.03;
   const double unseen_s = sighting.t_s - seen_s_;
   const bool goes_on = sightings_ > 1 || this->goes_on(sighting);
@@ -197,7 +200,7 @@ bool RobotTrack::add(const RobotObservation& sighting, const Circumstances& now,
   predict(sighting.t_s);
   Vector2d off = sighting.place_mm - state_.head<2>();
   off -= differences_.take(sighting.camera, sighting.t_s, off);
-  // What is nearer to where the other one with its id was is that one.
+  // A measurement that is nearer to the other robot with this id belongs to that robot.
   constexpr double kLately_s = 0.05;
   const bool is_other =
       sighting.t_s - other_s_ < kLately_s && (sighting.place_mm - other_mm_).norm() < off.norm();
@@ -214,12 +217,12 @@ bool RobotTrack::add(const RobotObservation& sighting, const Circumstances& now,
       noise_factor_ * (sighting.place_cov_mm2 + kPlaceSigmaMm * kPlaceSigmaMm * Matrix2d::Identity()) +
       sighting.t_sigma_s * sighting.t_sigma_s * velocity * velocity.transpose();
   Matrix2d spread = cov_.topLeftCorner<2, 2>() + noise;
-  stand(sighting, noise, likelihood(off, spread, kMostSigmas));
+  stand(sighting, noise, likelihood(off, spread, kMaxSigmas));
   const double surprise = off.dot(spread.inverse() * off);
-  constexpr double kUsual = 1.7, kMost = 6, kLearns = 0.03, kMostNoise = 400;
+  constexpr double kUsual = 1.7, kMost = 6, kLearns = 0.03, kMaxNoise = 400;
   noise_factor_ =
-      std::clamp(noise_factor_ * (1 + kLearns * (std::min(surprise, kMost) / kUsual - 1)), 1.0, kMostNoise);
-  if (surprise > kSurprise) {
+      std::clamp(noise_factor_ * (1 + kLearns * (std::min(surprise, kMost) / kUsual - 1)), 1.0, kMaxNoise);
+  if (surprise > kRobotSurprise) {
     Matrix3d more = (surprise > kGreatSurprise ? 1 : 0.4) * kManoeuvre * manoeuvre_noise(kManoeuvreAge_s);
     if (now.touches && surprise > kPushSurprise)
       more += kPush * push_noise(std::abs(sighting.t_s - before.seen_s_));
@@ -233,10 +236,11 @@ bool RobotTrack::add(const RobotObservation& sighting, const Circumstances& now,
   state_ += gain * off;
   cov_ -= (gain * cov_.topRows<2>()).eval();
   cov_ = (0.5 * (cov_ + cov_.transpose())).eval();
-  // Less than what is let through, or a robot that two cameras see at different places flies off.
-  constexpr double kMost_mm_s = kFastest_mm_s - 500;
+  // Limits the speed to less than the gate allows. Otherwise the track of a robot that two cameras see at
+  // different places would diverge.
+  constexpr double kMax_mm_s = kFastest_mm_s - 500;
   const double speed = state_.segment<2>(2).norm();
-  if (speed > kMost_mm_s) state_.segment<2>(2) *= kMost_mm_s / speed;
+  if (speed > kMax_mm_s) state_.segment<2>(2) *= kMax_mm_s / speed;
   const double acceleration = state_.tail<2>().norm();
   if (acceleration > kMaxAcceleration_mm_s2) state_.tail<2>() *= kMaxAcceleration_mm_s2 / acceleration;
   const Vector3d predicted_angle = angle_;
@@ -257,9 +261,9 @@ bool RobotTrack::add(const RobotObservation& sighting, const Circumstances& now,
 }
 
 void RobotTrack::stand(const RobotObservation& sighting, const Matrix2d& noise, double moving_likelihood) {
-  constexpr double kCreeps_mm2_s = 0.02;           // what a standing robot's place drifts
-  constexpr double kStops = 0.03, kStarts = 0.02;  // from one sighting to the next
-  // Between two images at nearly the same time everything stands.
+  constexpr double kCreeps_mm2_s = 0.02;           // drift of a standing robot's position
+  constexpr double kStops = 0.03, kStarts = 0.02;  // transition probabilities per measurement
+  // Between two images at nearly the same time, every robot seems to stand.
   constexpr double kSameTime_s = 0.004, kFaster_mm_s = 300;
   const double passed_s = sighting.t_s - stood_s_;
   if (std::abs(passed_s) < kSameTime_s) return;
@@ -271,7 +275,7 @@ void RobotTrack::stand(const RobotObservation& sighting, const Matrix2d& noise, 
   const double stands = share * likelihood(off, spread, 1e3), moves = (1 - share) * moving_likelihood;
   stands_share_ = stands + moves > 0 ? stands / (stands + moves) : 0;
   if (stands_share_ < 0.05 ||
-      state_.segment<2>(2).norm() > kFaster_mm_s) {  // where it would stand from now on
+      state_.segment<2>(2).norm() > kFaster_mm_s) {  // the standing hypothesis restarts here
     stands_share_ = 0;
     stands_mm_ = sighting.place_mm;
     stands_var_mm2_ = noise.trace() / 2;
@@ -320,8 +324,9 @@ TrackedRobot RobotTrack::Step::robot_at(const RobotName& name, double then_s) co
 }
 
 double RobotTrack::unforeseen_mm(double t_s) const {
-  // The last sightings say how fast it was between them, not at the last one. Where they are few, nobody
-  // knows; then this is to stay small.
+  // The last two measurements give the mean velocity between them, not the velocity at the last measurement,
+  // so their interval is added. With few measurements the interval is unreliable, so it is limited to keep
+  // the result small.
   constexpr double kFew_s = 0.1;
   const double passed_s = std::abs(t_s - seen_s_) + std::min(interval_s_, kFew_s);
   return 0.5 * kMaxAcceleration_mm_s2 * passed_s * passed_s;
@@ -329,7 +334,7 @@ double RobotTrack::unforeseen_mm(double t_s) const {
 
 TrackedRobot RobotTrack::at(double t_s) const {
   TrackedRobot out = last_step().robot_at(name_, t_s);
-  // Two images that it was not seen in, and the way from the exposure to here.
+  // Full visibility lasts for two missed images plus the delay from the exposure to this prediction.
   constexpr double kImages = 2.5, kWay_s = 0.03;
   const double lately_s = std::min(kImages * interval_s_ + kWay_s, kGone_s / 2);
   out.visibility = std::clamp(1 - (t_s - seen_s_ - lately_s) / (kGone_s - lately_s), 0.0, 1.0);

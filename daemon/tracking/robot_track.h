@@ -8,65 +8,67 @@
 
 namespace sslv {
 
-/// One robot, from the sightings of all cameras: a Kalman filter of place, velocity and acceleration, which
-/// allows for a manoeuvre when it is surprised, and beside it one of a robot that stands.
+/// Tracks one robot from all cameras' measurements: a Kalman filter of position, velocity and acceleration,
+/// which assumes a manoeuvre when the innovation is large, and the hypothesis that the robot stands still.
 class RobotTrack {
  public:
   RobotTrack(const RobotObservation& first);
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-  /// What one sighting made of it, and what a smoother needs to go back over it.
+  /// State after one measurement, and the data that a smoother needs for its backward pass.
   struct Step {
     double t_s = 0;
     bool is_first = true;
-    Vector6 state, predicted;  // place, velocity, acceleration; with and without this sighting
-    Matrix6 back;              // what one more of this step's state tells of the state before
+    Vector6 state, predicted;  // position, velocity, acceleration; after and before the update
+    Matrix6 back;              // smoother gain: from this step's state to the previous state
     Eigen::Vector3d angle, predicted_angle;
     Eigen::Matrix3d angle_back;
     Eigen::Vector2d stands_mm;
     double stands_share, place_sigma_mm;
 
-    /// Near that time.
+    /// The robot, extrapolated to a time near this step's; its visibility is not set.
     TrackedRobot robot_at(const RobotName& name, double t_s) const;
   };
 
   struct Circumstances {
-    bool touches = false;     // another one, which may push it
-    bool stays_here = false;  // however often it is seen elsewhere
+    bool touches = false;     // touches another robot, which may push it
+    bool stays_here = false;  // does not restart elsewhere, even after repeated measurements there
   };
-  /// False: this cannot be the same robot. `step`: gets what became of it; null: nobody wants that.
+  /// Returns false if the measurement cannot be of this robot. Else writes the result to `step`, unless
+  /// `step` is null.
   bool add(const RobotObservation& sighting, const Circumstances& now, Step* step = nullptr);
   TrackedRobot at(double t_s) const;
-  /// What is known of it by now, as if it had just begun.
+  /// Current state, as a track's first step.
   Step last_step() const;
-  /// How far it can be from where it is expected then, however hard it has accelerated lately.
+  /// Largest prediction error at `t_s` at maximum acceleration since the last measurements (mm).
   double unforeseen_mm(double t_s) const;
 
   double seen_s() const { return seen_s_; }
-  /// Between two sightings, lately.
+  /// Recent mean interval between measurements.
   double interval_s() const { return interval_s_; }
-  /// Not seen for so long, a robot is no longer on the field.
+  /// A robot that was not seen for this long is no longer on the field.
   static constexpr double kGone_s = 0.5;
   int sightings() const { return sightings_; }
-  /// False: the filter is of no use and has to be reset.
+  /// Whether all filter states are finite. If not, the track must be reset.
   bool is_finite() const;
-  /// Whether it is more than a pattern misread, or something that looks like one.
+  /// False while the robot may be a misread pattern, or clutter that looks like a pattern.
   bool is_sure() const;
   double height_mm() const { return height_mm_; }
-  /// Both without looking ahead.
+  /// Position and velocity at the last measurement, not predicted.
   Eigen::Vector2d place_mm() const { return state_.head<2>(); }
   Eigen::Vector2d velocity_mm_s() const { return state_.segment<2>(2); }
 
  private:
   void begin(const RobotObservation& first);
-  /// Whether a second sighting may be of the same robot as the first.
+  /// Whether a second measurement may belong to the same robot as the first one.
   bool goes_on(const RobotObservation& second) const;
-  /// Whether it was seen there again and again, and nowhere else.
+  /// Whether the robot was measured repeatedly at the position of `sighting`, and no longer at its old
+  /// position.
   bool is_now_at(const RobotObservation& sighting);
   void is_seen_here(const RobotObservation& sighting);
   void predict(double t_s);
-  /// Gives what was uncertain before.
+  /// Updates the orientation; returns its covariance before the update, including a manoeuvre's.
   Eigen::Matrix3d turn(const RobotObservation& sighting);
   void stand(const RobotObservation& sighting, const Eigen::Matrix2d& noise, double moving_likelihood);
 
@@ -74,23 +76,24 @@ class RobotTrack {
   double t_s_ = 0, seen_s_ = 0;
   double interval_s_ = 0.02;
   int sightings_ = 0;
-  double second_after_s_ = 0;  // the second sighting, after the first
-  double height_mm_ = 0;       // of its pattern
-  Vector6 state_;              // place, velocity, acceleration
+  double second_after_s_ = 0;  // time from the first to the second measurement
+  double height_mm_ = 0;       // height of the robot's pattern
+  Vector6 state_;              // position, velocity, acceleration
   Matrix6 cov_;
-  Eigen::Vector3d angle_;  // orientation, turn, its acceleration
+  Eigen::Vector3d angle_;  // orientation, turn rate, turn acceleration
   Eigen::Matrix3d angle_cov_;
-  /// How much more noise there is than the fits say: vibration, which no model of motion explains.
+  /// Factors on the variances that the fits report. They account for vibration, which no motion model
+  /// explains.
   double noise_factor_ = 1, angle_noise_factor_ = 1;
-  // A robot that stands, and how likely it does.
+  // The hypothesis that the robot stands still, and its probability.
   Eigen::Vector2d stands_mm_;
   double stands_var_mm2_ = 0, stands_share_ = 0, stood_s_ = 0;
   CameraDifferences<int, 8> differences_{8, true};
-  /// Sightings that cannot be this robot, but may be where it is now.
+  /// Position, time and number of successive measurements outside the gate: the robot may be there now.
   Eigen::Vector2d elsewhere_mm_{0, 0};
   double elsewhere_s_ = 0;
   int elsewhere_ = 0;
-  /// Where another robot with the same id was seen.
+  /// Position and time at which another robot with the same id was seen.
   Eigen::Vector2d other_mm_{0, 0};
   double other_s_ = -1e9;
 };

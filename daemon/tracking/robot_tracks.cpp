@@ -11,9 +11,9 @@ using Eigen::Vector2d;
 
 namespace {
 
-/// Farther than calibrations and clocks differ, even before they have been brought together.
+/// Larger than any disagreement of calibrations and clocks, even before CameraAgreement has corrected it.
 constexpr double kDraggedMm = 100;
-/// Times of one image differ by less.
+/// Times of the same image differ by less than this.
 constexpr double kSame_s = 0.004;
 
 }  // namespace
@@ -29,7 +29,7 @@ bool RobotTracks::add_to(RobotTrack& track, const RobotObservation& seen,
                          const RobotTrack::Circumstances& now, RobotTrack::Step* step) {
   const bool is_taken = track.add(seen, now, step);
   if (track.is_finite()) return is_taken;
-  track = RobotTrack(seen);  // finite: add() refuses what makes it none
+  track = RobotTrack(seen);  // finite: add() drops other measurements
   ++repaired_;
   if (step) *step = track.last_step();
   return true;
@@ -56,7 +56,7 @@ bool RobotTracks::add(const RobotObservation& seen, RobotTrack::Step* step) {
   RobotTrack::Circumstances now{.touches = touches_another(seen)};
   if (seen.is_of_other_computer) {
     if (const RobotTrack* const own = seen_by_own(seen.name, seen.t_s)) {
-      // That it has gone elsewhere needs a camera of ours that has looked since and does not see it.
+      // The robot can only have left if our camera has since taken an image that does not show it.
       const Looks& looks = looks_.at(sights_.at(seen.name).camera);
       const double looked_s =
           std::clamp(looks.taken_s[looks.newest], own->seen_s(), std::max(own->seen_s(), seen.t_s));
@@ -100,8 +100,9 @@ void RobotTracks::note_sight(const RobotObservation& seen) {
 }
 
 bool RobotTracks::is_seen_steadily(const RobotName& name) const {
-  // Patterns misread now and then are not to keep a robot from where another computer sees it all the time.
-  constexpr int kOld = 30;  // it is known by then how often it is seen
+  // Occasional misread patterns must not keep a robot away from the position at which another computer always
+  // sees it.
+  constexpr int kOld = 30;  // measurements after which `every` has settled
   constexpr double kSteady = 7;
   const auto sight = sights_.find(name);
   return sight != sights_.end() && sight->second.sightings >= kOld && sight->second.every <= kSteady;
@@ -113,14 +114,15 @@ const RobotTrack* RobotTracks::seen_by_own(const RobotName& name, double t_s) co
   if (known == own_.end() || !is_seen_steadily(name)) return nullptr;
   const RobotTrack& own = known->second;
   const Looks& looks = looks_.at(sights_.at(name).camera);
-  // A camera that takes no images is held up, and after a while it is gone.
+  // A camera that takes no images is held up; after kHeldUp_s it no longer counts.
   const bool is_seen = looks.taken_s[looks.newest] - own.seen_s() < RobotTrack::kGone_s &&
                        std::abs(t_s - own.seen_s()) < kHeldUp_s;
   return is_seen ? &own : nullptr;
 }
 
-/// It begins where the robot is: of two with its id, the one that was first stays. But what another computer
-/// made of a robot while this one's cameras were held up is not where it is.
+/// An own track starts only from a measurement that the common track accepts, so that the first of two robots
+/// with the same id is kept. If our cameras see the robot steadily, it starts anyway: another computer may
+/// have moved the common track while our cameras were held up.
 void RobotTracks::add_own(const RobotObservation& seen, const RobotTrack::Circumstances& now, bool is_taken) {
   const auto known = own_.find(seen.name);
   if (known != own_.end() && std::abs(seen.t_s - known->second.seen_s()) < RobotTrack::kGone_s) {
@@ -131,7 +133,7 @@ void RobotTracks::add_own(const RobotObservation& seen, const RobotTrack::Circum
 }
 
 bool RobotTracks::touches_another(const RobotObservation& seen) const {
-  // Robots are 180 mm wide; the other one was seen an image ago.
+  // Robots are 180 mm wide; the other robot's position is one image old.
   constexpr double kTouchMm = 220, kLately_s = 0.05;
   return std::any_of(tracks.begin(), tracks.end(), [&](const auto& one) {
     return one.first != seen.name &&
@@ -140,7 +142,7 @@ bool RobotTracks::touches_another(const RobotObservation& seen) const {
   });
 }
 
-/// No two robots are at one place: of two, the one that was seen there for longer is the right one.
+/// Two robots cannot be at the same place: the track with more measurements is the right one.
 bool RobotTracks::is_misread(const RobotName& name, const RobotTrack& track, double t_s) const {
   constexpr int kOld = 10;
   constexpr double kSameMm = 100, kLately_s = 0.1;
@@ -154,7 +156,7 @@ bool RobotTracks::is_misread(const RobotName& name, const RobotTrack& track, dou
 }
 
 bool RobotTracks::is_over_robot(const BallObservation& ball, double ball_radius_mm) const {
-  // Less than any robot's top, as its height is not well known.
+  // Smaller than any robot's top, because the robot's height is not well known.
   constexpr double kTopMm = 65, kSeen = 0.99;
   constexpr int kOld = 10;
   const Vector2d below_camera = ball.camera_mm.head<2>();
@@ -164,7 +166,7 @@ bool RobotTracks::is_over_robot(const BallObservation& ball, double ball_radius_
     if (robot.sightings() < kOld) return false;
     const double share = (height_mm - robot.height_mm()) / (height_mm - ball_radius_mm);
     const Vector2d at_top = below_camera + share * (ball.place_mm - below_camera);
-    constexpr double kNearMm = 400;  // of where it was lately
+    constexpr double kNearMm = 400;  // distance from the last position: cheap check before predicting
     if ((robot.place_mm() - at_top).squaredNorm() > kNearMm * kNearMm) return false;
     const TrackedRobot now = robot.at(ball.t_s);
     return now.visibility > kSeen && (now.place_mm - at_top).squaredNorm() < kTopMm * kTopMm;

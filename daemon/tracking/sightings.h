@@ -20,7 +20,7 @@ struct RobotSighting {
   Eigen::Vector2d place_mm;  // on the plane z = height_mm
   double orientation_rad;
   double height_mm;
-  Eigen::Matrix2d place_cov_mm2;  // of the fit alone, without what the calibration adds
+  Eigen::Matrix2d place_cov_mm2;  // from the fit alone, without calibration errors
   double orientation_sigma_rad;
 };
 
@@ -29,36 +29,37 @@ struct BallSighting {
   Eigen::Vector2d place_mm;  // on the plane z = the ball's radius
   Eigen::Matrix2d place_cov_mm2;
   double confidence;  // 0 .. 1
-  /// Of its centre, as its size in the image tells; far less sure than its place.
+  /// Height of the ball's centre, from its size in the image; far less certain than the position.
   double height_mm = 0, height_sigma_mm = std::numeric_limits<double>::infinity();
 };
 
-/// What one camera saw in one image.
+/// Robots and balls that one camera saw in one image.
 struct CameraSightings {
   int camera = 0;
   std::uint32_t frame_number = 0;
-  bool is_taken = true;                // false: the image is left out
-  bool is_of_other_computer = false;   // which says nothing of how sure its places are
-  double t_capture_s = 0;              // Unix time, as the camera's computer says
-  Eigen::Vector3d camera_mm{0, 0, 0};  // where the camera hangs
+  bool is_taken = true;                // false: the image is dropped
+  bool is_of_other_computer = false;   // other computers send no covariances
+  double t_capture_s = 0;              // Unix time by the clock of the camera's computer
+  Eigen::Vector3d camera_mm{0, 0, 0};  // position of the camera
   std::vector<RobotSighting> robots;
   std::vector<BallSighting> balls;
 };
 
-/// What came in from a camera, validated (pipeline/senseless.h): finite and in range.
+/// Measurements received from a camera, validated (pipeline/validate.h): finite and in range.
 struct ArrivedSightings {
   CameraSightings image;
-  std::int64_t handed_over_ns = 0;  // steady_ns(); 0: of no live camera
-  std::uint64_t left_out = 0;       // robots and balls that were dropped
+  std::int64_t handed_over_ns = 0;  // steady_ns(); 0: not from a live camera
+  std::uint64_t left_out = 0;       // number of dropped robots and balls
 };
 
-/// When an image was taken, as its camera's even rate has it. Nothing for an image that is left out.
+/// Capture time of an image, estimated from the constant rate of its camera (see FrameClock). Empty if the
+/// image was dropped.
 struct ImageTime {
   std::optional<double> t_s;
   double sigma_s = 0;
 };
 
-/// A sighting of a robot without what is known of its camera's errors.
+/// Measurement of a robot, corrected by its camera's known errors.
 struct RobotObservation {
   RobotName name;
   int camera;
@@ -67,21 +68,21 @@ struct RobotObservation {
   double orientation_rad;
   Eigen::Matrix2d place_cov_mm2;
   double orientation_sigma_rad;
-  double height_mm = 0;               // of its pattern
-  bool is_of_other_computer = false;  // RobotTracks believes this one's cameras rather
+  double height_mm = 0;               // height of the robot's pattern
+  bool is_of_other_computer = false;  // RobotTracks prefers this computer's cameras
 };
 
-/// Likewise of a ball.
+/// Measurement of a ball; its time is corrected by the camera's known offset, its position is not corrected.
 struct BallObservation {
   double t_s;
   Eigen::Vector3d camera_mm;
-  Eigen::Vector2d place_mm;  // as if on the floor
+  Eigen::Vector2d place_mm;  // as if the ball were on the floor
   double sigma_mm;
   double height_mm, height_sigma_mm;
   bool is_over_robot = false;  // in front of a robot's top: on it, or in the air, but not on the floor
 };
 
-/// What one image shows; both lists are empty when it is left out.
+/// Measurements of one image; both lists are empty if the image was dropped.
 struct Observations {
   std::vector<RobotObservation> robots;
   std::vector<BallObservation> balls;

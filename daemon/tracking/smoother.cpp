@@ -12,10 +12,10 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// From the exposure to when an image's sightings come.
+/// Delay from the exposure to the arrival of an image's measurements.
 constexpr double kWay_s = 0.1;
 
-/// 1 where it was seen, 0 in the middle of a long time in which it was not.
+/// 1 near a measurement, 0 in the middle of a long gap.
 double visibility_at(double before_s, double after_s, double t_s) {
   const double unseen_s = std::min(t_s - before_s, after_s - t_s);
   constexpr double kHidden_s = 0.05, kGone_s = 0.5;
@@ -25,7 +25,7 @@ double visibility_at(double before_s, double after_s, double t_s) {
 }  // namespace
 
 void Smoother::add(const Observations& observations, double now_s) {
-  // All that is known lies in the future.
+  // Once the clock is set back, all previous measurements lie in the future.
   constexpr double kSetBack_s = 0.5;
   if (now_s < newest_s_ - kSetBack_s) {
     const BallModel model = balls_.model();
@@ -46,12 +46,12 @@ void Smoother::add_robot(const RobotObservation& seen) {
   if (!robots_.add(seen, &step)) return;
   std::deque<Run>& runs = runs_[seen.name];
   if (step.is_first || runs.empty()) {
-    // What never became sure was none.
+    // A track that never became sure was not a robot.
     if (!runs.empty() && !runs.back().is_sure) runs.pop_back();
     runs.emplace_back();
   }
   runs.back().steps.push_back(step);
-  // What it is known to be by now, it was from the beginning.
+  // A track that becomes sure counts as sure from its beginning.
   runs.back().is_sure = runs.back().is_sure || robots_.tracks.at(seen.name).is_sure();
 }
 
@@ -64,7 +64,7 @@ void Smoother::add_ball(const BallObservation& seen) {
   ball_.insert(later, {seen.t_s, *ball});
 }
 
-/// It is known better and better.
+/// Updates the newest kick, whose estimate still improves, or adds a new one.
 void Smoother::take_kick() {
   const auto& kick = balls_.kick();
   if (!kick) return;
@@ -100,7 +100,7 @@ RobotTrack::Step Smoother::Run::at(double t_s) const {
 std::optional<TrackedRobot> Smoother::robot_at(const RobotName& name, const std::deque<Run>& runs,
                                                double t_s) const {
   const Run* run = nullptr;
-  double again_s = t_s + RobotTrack::kGone_s;  // when it was seen after that
+  double again_s = t_s + RobotTrack::kGone_s;  // time at which the robot was seen again
   for (const Run& one : runs) {
     if (!one.is_sure) continue;
     if (one.steps.front().t_s > t_s) {
@@ -136,12 +136,12 @@ std::optional<TrackedBall> Smoother::ball_at(double t_s) const {
     out.visibility = visibility_at(before.t_s, t_s + kGone_s, t_s);
     return out;
   }
-  // On the way from there to here, with the velocities that it had at both ends, unless it met something.
+  // Cubic Hermite interpolation with the velocities at both ends, limited in case the ball hit something.
   const double passed_s = after->t_s - before.t_s, share = (t_s - before.t_s) / passed_s;
   const double s2 = share * share, s3 = s2 * share;
   const Vector3d way = after->ball.place_mm - before.ball.place_mm;
   const auto at_most = [&](const Vector3d& goes) -> Vector3d {
-    constexpr double kTimes = 3;  // more goes past the end and back
+    constexpr double kTimes = 3;  // larger velocities overshoot the end and return
     const double most = kTimes * way.norm(), length = goes.norm();
     return length > most ? Vector3d(goes * (most / length)) : goes;
   };

@@ -14,28 +14,29 @@
 
 namespace sslv {
 
-/// Robots and balls as they are known some time later, for recordings: what a robot did after a moment tells
-/// what it did then (the smoother of Rauch, Tung and Striebel, over the steps of the robots' filters), and a
-/// ball that was hidden went from where it was seen last to where it was seen again. One thread, no I/O.
+/// Estimates robots and balls with a delay, for recordings: later measurements correct a robot's earlier
+/// states (Rauch-Tung-Striebel smoother over the steps of the robots' filters), and the position of a hidden
+/// ball is interpolated between the last position before and the first position after the gap. One thread, no
+/// I/O.
 class Smoother {
  public:
-  /// Of 0.05 s and more.
+  /// `lag_s`: at least 0.05.
   explicit Smoother(double lag_s) : lag_s_(lag_s) {}
 
-  /// From now on.
+  /// Takes effect from now on.
   void set_ball_model(const BallModel& model) { balls_.set_model(model); }
-  /// What one image shows, at the moment `now_s` at which it came. Where that is set back, all begins again.
+  /// Adds the measurements of one image, received at `now_s`. Restarts if `now_s` is set back.
   void add(const Observations& observations, double now_s);
-  /// Makes `out` the field as it was that long before the last `now_s`; its number stays. False: that was
-  /// before the first image.
+  /// Sets `out` to the field `lag_s` before the last `now_s`, keeping its number. Returns false if this time
+  /// is before the first image.
   bool at(TrackedField& out) const;
 
  private:
-  /// One robot, from when it was seen until it was gone.
+  /// One track of a robot, from its first measurement until the robot was gone.
   struct Run {
-    std::deque<RobotTrack::Step> steps;  // as long ago as is asked for, and the one before
+    std::deque<RobotTrack::Step> steps;  // steps within the lag, and one step before it
     bool is_sure = false;
-    /// The last step before `t_s`, with what came later.
+    /// The last step before `t_s`, smoothed with all later steps.
     RobotTrack::Step at(double t_s) const;
   };
   struct BallSeen {

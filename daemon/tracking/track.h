@@ -11,7 +11,7 @@
 
 namespace sslv {
 
-/// Follows robots and balls, and says where they are now: see Tracker.
+/// Tracks robots and balls and predicts them to the current time: see Tracker.
 class Track {
  public:
   struct Params {
@@ -20,7 +20,7 @@ class Track {
   void process(const Params&, const FieldClock& clock, const BallModel& ball, const ArrivedSightings& arrived,
                const Observations& seen, TrackedField& out) noexcept {
     const double now_s = clock.now_s();
-    // Where the clock was set back, all that is known lies in the future.
+    // Once the clock is set back, all previous measurements lie in the future.
     constexpr double kSetBack_s = 0.5;
     if (now_s < now_s_ - kSetBack_s) tracker_ = {};
     now_s_ = now_s;

@@ -11,25 +11,25 @@
 
 namespace sslv {
 
-/// Follows robots and balls through what all cameras see, and predicts them. One thread, no I/O; knows no
-/// time but that of the observations.
+/// Tracks and predicts robots and balls from the measurements of all cameras. One thread, no I/O; knows only
+/// the time of the observations.
 class Tracker {
  public:
-  /// Of the ball, from now on.
+  /// Takes effect from now on.
   void set_ball_model(const BallModel& model) { balls_.set_model(model); }
-  /// One of this computer's cameras took an image, whatever it shows.
+  /// Notes that one of this computer's cameras took an image, with or without robots.
   void look(int camera, double t_s) { robots_.look(camera, t_s); }
-  /// What one image shows.
+  /// Adds the measurements of one image.
   void add(const Observations& observations);
 
-  /// Nothing for a robot that is not on the field.
+  /// The robot predicted to `t_s`; none if it is not on the field.
   std::optional<TrackedRobot> robot(const RobotName& name, double t_s) const { return robots_.at(name, t_s); }
   std::optional<TrackedBall> ball(double t_s) const { return balls_.played_at(t_s, robots_); }
-  /// The newest.
+  /// The newest kick.
   const std::optional<TrackedKick>& kick() const { return balls_.kick(); }
-  /// Filters that were not finite and were reset.
+  /// Number of resets and drops because of filters or measurements that were not finite.
   std::uint64_t repaired() const { return robots_.repaired() + balls_.repaired(); }
-  /// Makes `out` all of it at that moment; its number stays.
+  /// Sets `out` to the field predicted to `t_s`, keeping its number.
   void at(double t_s, TrackedField& out) const;
 
  private:

@@ -12,7 +12,7 @@
 
 namespace sslv {
 
-/// Which robot, of all on the field.
+/// Identifies a robot on the field.
 struct RobotName {
   Team team = Team::kYellow;
   int id = 0;
@@ -20,16 +20,16 @@ struct RobotName {
   bool operator<(const RobotName& other) const { return std::tie(team, id) < std::tie(other.team, other.id); }
 };
 
-/// A robot at one moment, as far as is known.
+/// Estimate of a robot at one time.
 struct TrackedRobot {
   RobotName name;
   Eigen::Vector2d place_mm{0, 0}, velocity_mm_s{0, 0};
   double orientation_rad = 0, turn_rad_s = 0;
   double place_sigma_mm = 0;
-  double visibility = 0;  // 0 .. 1: falls while no camera sees it
+  double visibility = 0;  // 0 .. 1: falls while no camera sees the robot
 };
 
-/// A ball at one moment; its place is that of its centre.
+/// Estimate of a ball at one time; the position is the ball's centre.
 struct TrackedBall {
   Eigen::Vector3d place_mm{0, 0, 0}, velocity_mm_s{0, 0, 0};
   double visibility = 0;
@@ -42,20 +42,20 @@ struct TrackedKick {
   Eigen::Vector2d place_mm{0, 0};
   Eigen::Vector3d velocity_mm_s{0, 0, 0};
   bool is_chip = false;
-  Eigen::Vector2d landing_mm{0, 0};  // of a chip
-  double stop_s = 0;                 // when the ball will lie still, if nothing meets it
-  Eigen::Vector2d stop_mm{0, 0};     // and where
+  Eigen::Vector2d landing_mm{0, 0};  // landing point of a chip
+  double stop_s = 0;                 // time at which the ball will stop if it hits nothing
+  Eigen::Vector2d stop_mm{0, 0};     // position at which the ball will stop
   std::optional<RobotName> robot;
 };
 
-/// All that is tracked, at one moment.
+/// All tracked objects at one time.
 struct TrackedField {
-  std::uint32_t number = 0;  // counts what was published
+  std::uint32_t number = 0;  // counts published fields
   double t_s = 0;            // Unix time
   std::vector<TrackedRobot> robots;
-  std::vector<TrackedBall> balls;  // the first is the one that is played
+  std::vector<TrackedBall> balls;  // the first is the ball in play
   std::optional<TrackedKick> kick;
-  std::uint64_t repaired = 0;  // filters that were not finite and were reset, since tracking began
+  std::uint64_t repaired = 0;  // number of filters reset because they were not finite
 };
 
 }  // namespace sslv

@@ -10,7 +10,7 @@ const char* name_of(Team team) {
   return team == Team::kYellow ? "yellow" : "blue";
 }
 
-/// Viewers need no more, and bad Wi-Fi takes no more.
+/// Viewers do not need more digits, and fewer digits need less bandwidth on bad Wi-Fi.
 double to_tenths(double value) {
   return std::round(value * 10) / 10;
 }

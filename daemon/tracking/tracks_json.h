@@ -6,9 +6,9 @@
 
 namespace sslv {
 
-/// As docs/openapi.json's FieldTracks, with the newest kick.
+/// FieldTracks of docs/openapi.json, with the newest kick.
 Json to_json(const TrackedField& tracked);
-/// As its FieldKick.
+/// FieldKick of docs/openapi.json.
 Json to_json(const TrackedKick& kick);
 
 }  // namespace sslv

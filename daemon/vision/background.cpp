@@ -11,14 +11,14 @@ namespace sslv {
 namespace {
 
 constexpr int kSamplesPerFrame = 64;
-constexpr int kSamplesAtOnce = 1'024;  // when nothing is known yet
-// The boxes of a new table are grown again after so many frames, then after twice as many, and so on: the
-// light that they have seen by then is more and more of all there is.
+constexpr int kSamplesAtOnce = 1'024;  // for the first image
+// Number of frames after which the boxes of a new table are regrown. It doubles with each growth, because the
+// samples then cover more of the variation in light.
 constexpr int kFirstFramesBetween = 8, kMaxFramesBetween = 1'024;
-constexpr int kBins = BackgroundFollower::kBins, kStep = 256 / kBins;
+constexpr int kBins = BackgroundFollower::kBins, kBinWidth = 256 / kBins;
 using Bins = BackgroundFollower::Bins;
 
-/// The colour of the cell at (x, y). For samples: threshold.cpp is exact.
+/// The colour of the cell at (x, y), approximated for sampling; threshold.cpp computes it exactly.
 Yuv color_at(const ImageView& image, int x, int y) {
   const std::uint8_t* row = image.row(y);
   switch (image.format) {
@@ -65,7 +65,7 @@ class BoxGrower {
     for (std::size_t k = 0; k < 3; ++k) box_.sides[k] = {seed[k], seed[k]};
   }
 
-  /// As far as it can, first towards the colours of `samples`.
+  /// Grows as far as possible, first towards the colours of `samples`.
   Box grow(std::span<const Bins> samples) {
     std::array<bool, kFaces.size()> stuck{};
     for (;;) {
@@ -78,13 +78,13 @@ class BoxGrower {
         best = i;
       }
       if (best == kFaces.size()) break;
-      // By larger steps where the box is large.
+      // A larger box grows in larger steps.
       const auto& side = box_.sides[kFaces[best].channel];
       int steps = 1 + (side[1] - side[0]) / 4;
       while (steps > 0 && !push(kFaces[best], steps)) steps /= 2;
       stuck[best] = steps == 0;
     }
-    // Then evenly: the light will change.
+    // Then evenly in all directions, because the light will change.
     for (bool pushed = true; pushed;) {
       pushed = false;
       for (const Face& face : kFaces) pushed |= push(face, 1);
@@ -93,7 +93,7 @@ class BoxGrower {
   }
 
  private:
-  /// How much it is worth to push each face by a step: near samples count more than distant ones.
+  /// Gain of pushing each face by a step: near samples count more than distant ones.
   std::array<int, kFaces.size()> scores_for(std::span<const Bins> samples) const {
     constexpr auto kWorth = [] {
       std::array<int, 3 * kBins> worth{};
@@ -159,9 +159,9 @@ void BackgroundFollower::sample(const ImageView& image, const Mask& mask, int co
                      [x](const auto& interval) { return x >= interval.begin && x < interval.end; }))
       continue;
     const Yuv c = color_at(image, x, y);
-    samples_[sampled_++ % kSamples] = {static_cast<std::uint8_t>(c.u / kStep),
-                                       static_cast<std::uint8_t>(c.v / kStep),
-                                       static_cast<std::uint8_t>(c.y / kStep)};
+    samples_[sampled_++ % kSamples] = {static_cast<std::uint8_t>(c.u / kBinWidth),
+                                       static_cast<std::uint8_t>(c.v / kBinWidth),
+                                       static_cast<std::uint8_t>(c.y / kBinWidth)};
   }
 }
 
@@ -175,7 +175,7 @@ Label BackgroundFollower::commonest_label(const LutTable& yuv) const {
   return static_cast<Label>(std::max_element(counts.begin(), counts.end()) - counts.begin());
 }
 
-/// Takes over what boxes may hold.
+/// Finds the blocks that boxes may contain.
 void BackgroundFollower::take_table(const Lut& lut, PixelFormat format, Label label) {
   background_.label = label;
   background_.boxes = 0;
@@ -205,12 +205,12 @@ void BackgroundFollower::begin_growth() {
                                growth_.left.begin());
 }
 
-/// The next one, around what most of the samples that are left share.
+/// Grows the next box, around as many of the remaining samples as possible.
 void BackgroundFollower::grow_box() {
-  // A test that fewer pass costs more than it saves.
-  constexpr std::size_t kMinShare = 500;  // one in so many
-  constexpr std::size_t kLookedAt = 128;  // samples are enough to grow towards
-  constexpr int kSeeds = 3;               // of which the best box is taken
+  // A box with fewer samples costs more than it saves.
+  constexpr std::size_t kMinShare = 500;  // a box must contain more than 1 / kMinShare of all samples
+  constexpr std::size_t kLookedAt = 128;  // number of samples that guide the growth
+  constexpr int kSeeds = 3;               // number of seeds; the best box is used
 
   const std::span<Bins> rest(growth_.left.data(), growth_.left_count);
   Box best{};
@@ -227,7 +227,7 @@ void BackgroundFollower::grow_box() {
       most = inside;
       best = box;
     };
-    // Some samples, and the middle of all, channel by channel.
+    // Seeds: random samples, and the median of the samples in each channel.
     for (int k = 1; k < kSeeds; ++k)
       try_seed(some[static_cast<std::size_t>(random(static_cast<int>(some.size())))]);
     Bins middle{};
@@ -246,8 +246,8 @@ void BackgroundFollower::grow_box() {
         rest.begin());
     ColorBox& colors = growth_.box[growth_.boxes++];
     for (std::size_t k = 0; k < 3; ++k) {
-      colors.low[k] = static_cast<std::uint8_t>(best.sides[k][0] * kStep);
-      colors.high[k] = static_cast<std::uint8_t>(best.sides[k][1] * kStep + kStep - 1);
+      colors.low[k] = static_cast<std::uint8_t>(best.sides[k][0] * kBinWidth);
+      colors.high[k] = static_cast<std::uint8_t>(best.sides[k][1] * kBinWidth + kBinWidth - 1);
     }
   }
   if (growth_.goes_on && !growth_.is_first) return;

@@ -16,38 +16,37 @@ struct ColorBox {
   std::array<std::uint8_t, 3> low{}, high{};
 };
 
-/// What lets most of an image pass without a look at the table: boxes around the commonest colours, the
-/// carpet's first, then the floor's, the lines'...
+/// Boxes around the most frequent colours (the carpet, then the floor, the lines...), with which most of an
+/// image is labelled without looking up the table.
 struct Background {
   static constexpr std::size_t kMaxBoxes = 8;
 
-  Label label = label::kClear;  // of every colour in the boxes
-  std::size_t boxes = 0;        // how many of `box` count
+  Label label = label::kClear;  // label of every colour in the boxes
+  std::size_t boxes = 0;        // number of boxes in use
   std::array<ColorBox, kMaxBoxes> box;
-  /// One bit for each block of the table of the images' colours, ordered as LutTable::blocks: whether all
-  /// of it has that label.
+  /// One bit for each block of the table in the images' colour space, ordered as LutTable::blocks: set if the
+  /// whole block has `label`.
   alignas(64) std::array<std::uint64_t, std::size_t{1} << (2 * LutTable::kBlockBits)> blocks{};
-  /// Whether so much of the image lies in the first box that it is worth while to try that one alone
-  /// before.
+  /// Whether the first box covers so much of the image that testing this box alone first saves time.
   bool first_alone = true;
 };
 
-/// What an image was like for those who used its Background.
+/// Statistics of an image that was searched with the Background.
 struct BackgroundUse {
-  std::size_t blocks = 0, odd_blocks = 0;  // of 64 cells; odd: not wholly in the first box
+  std::size_t blocks = 0, odd_blocks = 0;  // all blocks of 64 cells; blocks not wholly in the first box
 };
 
-/// Follows the commonest colours of a camera's images and keeps boxes around them that are as large as
-/// their one label allows. It looks at a few pixels of a frame and grows the boxes again for another table
-/// and now and then, one in each frame, in some ten microseconds; so it needs no thread, and the same
-/// images always give the same boxes. What they are changes the time an image takes, never what is found
-/// in it.
+/// Tracks the most frequent colours of a camera's images and keeps boxes around them. A box is as large as
+/// possible while all colours in it have the same label. Samples a few pixels of each frame. Regrows the
+/// boxes for a new table and from time to time, one box per frame, which takes about ten microseconds; so no
+/// thread is needed, and the same images always give the same boxes. The boxes affect only the processing
+/// time, never the results.
 class BackgroundFollower {
  public:
-  /// To be called before each image. Allocates nothing.
+  /// Call before each image. Allocates nothing.
   const Background& follow(const ImageView& image, const Lut& lut, const Mask& mask) noexcept;
 
-  /// To be told after each image.
+  /// Call after each image.
   void note(const BackgroundUse& use) noexcept;
 
   /// Colours are counted in the table's blocks.
@@ -65,22 +64,22 @@ class BackgroundFollower {
   Label commonest_label(const LutTable& yuv) const;
 
   Background background_;
-  std::array<Bins, kSamples> samples_;  // the latest ones, in a ring
-  std::size_t sampled_ = 0;             // since the start
-  /// As Background::blocks, of the table in YUV.
+  std::array<Bins, kSamples> samples_;  // ring buffer of the latest samples
+  std::size_t sampled_ = 0;             // number of samples since the start
+  /// Like Background::blocks, but always for the YUV table.
   std::array<std::uint64_t, kBins * kBins> yuv_blocks_;
   std::uint64_t lut_id_ = 0;  // 0: nothing learnt yet
   PixelFormat format_ = PixelFormat::kMono8;
   std::uint32_t random_ = 1;
-  int age_ = 0, frames_between_ = 0;  // frames since the boxes were grown, and until they are again
-  int frames_without_first_ = 0;      // for which the first box was not tried alone
+  int age_ = 0, frames_between_ = 0;  // frames since the last growth; frames between growths
+  int frames_without_first_ = 0;      // number of frames since the first box was last tested alone
 
   /// Boxes that are still being grown, one in each frame.
   struct Growth {
-    bool goes_on = false, is_first = false;  // first: of a new table, so that each box is used at once
+    bool goes_on = false, is_first = false;  // is_first: new table, so each box is used at once
     std::size_t boxes = 0;
     std::array<ColorBox, Background::kMaxBoxes> box;
-    std::array<Bins, kSamples> left;  // samples that could be in a box and are in none yet
+    std::array<Bins, kSamples> left;  // samples that could be in a box and are not in any box yet
     std::size_t left_count = 0, all = 0;
   } growth_;
 };

@@ -14,42 +14,45 @@
 namespace sslv {
 namespace {
 
-/// Ring of carpet around the ball. Where pixels are larger than the usual, its width grows by so much for
-/// each millimetre more, or it would hold no samples. Colour of YUV images is twice as wide and would bring
-/// in what lies further out: there one pixel must do.
+/// Width of the ring of carpet around the ball. For pixels larger than kUsualPixelMm it grows by kMarginGrows
+/// mm per mm; otherwise the ring would contain no samples. In YUV images it is only ensured to be at least
+/// one pixel wide, because the chroma samples are twice as wide and would extend further out.
 constexpr double kMarginMm = 9, kUsualPixelMm = 6.1, kMarginGrows = 1.7;
-constexpr double kWanderMm = 5;  // samples are read for a centre this far from the start
+constexpr double kWanderMm = 5;  // centres up to this far from the start have all samples
 constexpr int kPasses = 4;
-/// With less of the ball in view, whatever there is fits.
+/// If a smaller share of the ball is visible, any object fits.
 constexpr double kMinVisible = 0.3;
-/// Fewer values than this, of all planes together, fit anything.
+/// With fewer values than this in all planes together, any object fits.
 constexpr int kMinValues = 6;
 constexpr double kMinVariance = 0.5;
 constexpr double kMaxStepMm = 8, kSmallStepMm = 0.6;
-/// A start this far off is followed by another.
+/// If the result is this far from the start, the fit is repeated from the result.
 constexpr double kFarMm = 4;
-/// Unless it explains less than this.
+/// The fit fails instead of being repeated if r2 is below kHopelessR2 and cells are smaller than kLargeCell
+/// radii.
 constexpr double kHopelessR2 = 0.15, kLargeCell = 0.75;
-/// Carpet differs from its median by no more than this many times its usual difference.
+/// Carpet samples differ from their median by at most this many sigmas.
 constexpr float kOddCarpet = 4.5F;
 constexpr float kMinSpread = 2.5F;
 constexpr float kOddReachPx = 1.2F;
-constexpr double kMinClear = 0.5;  // share of the ring that should be left
+constexpr double kMinClear = 0.5;  // share of the ring's samples that should remain
 /// One side of a ball differs from its middle by about this share of its contrast.
 constexpr float kShading = 0.3F;
-/// PlaneSamples::keep of a sample that a robot hides.
+/// Value of PlaneSamples::keep for a sample that a robot hides.
 constexpr float kHidden = -1;
-/// And of one that is unlike the model: a highlight, a shadow. It counts only in what is left unexplained.
+/// Value of PlaneSamples::keep for an outlier: a sample that does not match the model, such as a highlight or
+/// a shadow. It counts only in the residuals.
 constexpr float kUnlikeModel = -0.5F;
-/// Such differ by so many times the usual difference, and by that share of the contrast; at the silhouette,
-/// where the place counts, nothing does.
+/// Outliers differ from the model by more than kUnlike sigmas and by more than the share kUnlikeShare of the
+/// contrast. Samples within kUnlikeFrom of the silhouette determine the position and are never left out.
 constexpr float kUnlike = 3, kUnlikeShare = 0.12F, kUnlikeFrom = 0.3F;
-/// Among fewer samples of a plane nothing stands out, nor in Bayer images.
+/// With fewer samples of a plane, and in Bayer images, outliers cannot be recognised.
 constexpr std::size_t kMinOfPlane = 28;
-/// Shading by direction is a small part of the light: priors in units of one grey level squared.
+/// Prior for shading by direction, which is a small part of the light; in units of one grey level squared.
 constexpr double kShadePrior = 0.5;
 
-/// Whether a robot's body, an upright prism from the floor to its top, stands before the floor there.
+/// Whether a robot's body, an upright prism from the floor to its top, hides a point of the floor from the
+/// camera.
 class Hides {
  public:
   Hides(const Robot& robot, const CameraModel& camera, double radius_mm, double front_mm)
@@ -62,7 +65,7 @@ class Hides {
 
   /// `place_mm` is where the sample's ray meets the plane z = height_mm.
   bool at(const Eigen::Vector2d& place_mm, double height_mm) const {
-    // The ray's way from that plane up to the robot's top, in the robot's frame.
+    // The ray from that plane up to the robot's top, in the robot's frame.
     const double up = (robot_.height_mm - height_mm) / (camera_.z() - height_mm);
     const Eigen::Vector2d top_mm = place_mm + up * (camera_.head<2>() - place_mm);
     constexpr int kSteps = 8;
@@ -88,7 +91,7 @@ class Hides {
   double radius_mm_, front_mm_;
 };
 
-/// Of 8-bit values.
+/// Median of 8-bit values.
 class Median {
  public:
   void add(float value) {
@@ -118,14 +121,15 @@ float as_float(double value) {
 
 }  // namespace
 
-/// Where a sample lies on the ball's model.
+/// Position of a sample in the ball's model.
 struct BallFitter::Place {
-  float nx, ny;  // direction from the centre, as it is on the plane; its length is that of the ray's distance
-  float z;       // -1: outside the blurred silhouette, 1: inside
-  float slope;   // change of its cover with the radius, 1 / mm
+  float nx, ny;                 // gradient, on the plane, of the ray's distance from the ball's centre
+  float z;                      // -1: outside the blurred silhouette, 1: inside
+  float slope;                  // change of the sample's covered share with the radius, 1 / mm
   std::array<float, 5> column;  // the model's columns from kCover on
 
-  /// False for what lies outside the ball's surroundings. `sigma_*2`: squared blur of a sample, pixels.
+  /// Returns false if the sample lies outside the ball's surroundings. `sigma_*2`: squared blur of a sample
+  /// (px^2).
   bool look_up(const BallTemplate& ball, float u, float v, float sigma_x2, float sigma_y2) {
     const KernelPatch& patch = ball.patch;
     const float x = u * (patch.xu + patch.xuu * u + patch.xuv * v) + v * (patch.xv + patch.xvv * v) - ball.x;
@@ -146,7 +150,7 @@ struct BallFitter::Place {
     column = {cover, cover * x / ball.radius, cover * y / ball.radius, cover * up, 1};
     return true;
   }
-  /// What the model leaves of a value.
+  /// Residual of a value.
   float left(const std::array<float, 5>& weights, float value) const {
     for (std::size_t a = 0; a < column.size(); ++a) value -= weights[a] * column[a];
     return value;
@@ -155,7 +159,7 @@ struct BallFitter::Place {
 
 struct BallFitter::Group {
   PlaneSamples samples;
-  /// Places of samples that no robot hides.
+  /// Indices of the samples that no robot hides.
   struct Places {
     std::array<std::uint16_t, 1024> at;
     std::size_t count = 0;
@@ -164,19 +168,19 @@ struct BallFitter::Group {
     }
     std::span<const std::uint16_t> all() const { return std::span(at).first(count); }
   };
-  Places core, rim, ring;                        // on the ball, just outside its silhouette, around it
-  std::array<Place, PlaneSamples::kMax> places;  // of samples, while leave_out_unlike() needs them
+  Places core, rim, ring;  // samples on the ball, just outside its silhouette, further out
+  std::array<Place, PlaneSamples::kMax> places;  // model positions; set by leave_out_unlike()
   RectangleSamples flat;
 };
 
-/// One start of a fit.
+/// State of a fit from one start position.
 struct BallFitter::Look {
   PlanePatch patch;
   SamplePlanes planes;
   BallTemplate ball;
   std::size_t groups = 0;
   int around = 0;
-  /// Of each plane, in their order: weights of the model's columns from kCover on, and the contrast.
+  /// For each plane, in order: weights of the model's columns from kCover on, and the contrast.
   std::array<std::array<float, 5>, 3> weights{};
   std::array<float, 3> contrast{};
 };
@@ -192,10 +196,12 @@ BallFit BallFitter::fit(const Frame& frame, double x_mm, double y_mm, const MayB
   constexpr int kStarts = 3;
   for (int start = 1; start <= kStarts; ++start) {
     out = fit_from(frame, from_x_mm, from_y_mm, may_be_ball);
-    // What lies around and what is hidden was looked up for the start: with a far better one, again.
+    // The surroundings and the hidden parts were determined for the start position. If the result is far from
+    // the start, fit again from the result.
     if (!out.ok || out.moved_mm < kFarMm) break;
-    // What a ball hardly explains and pulls it far away is a letter, a stripe, a shirt. Where cells are as
-    // large as the ball's radius the first start is off by as much, though.
+    // If a ball hardly explains the image and the fit moves far away, the object is a letter, a stripe or a
+    // shirt. But if cells are as large as the ball's radius, the first start position itself may be that far
+    // off.
     const double cell_mm = (look_->groups == 3 ? 2 : 1) * look_->patch.mm_per_px();
     if (out.r2 < kHopelessR2 && cell_mm < kLargeCell * frame.radius_mm) {
       out.ok = false;
@@ -209,10 +215,11 @@ BallFit BallFitter::fit(const Frame& frame, double x_mm, double y_mm, const MayB
   return out;
 }
 
-/// Reads the samples about the ball, leaves out those that robots hide and finds those around it.
+/// Reads the samples on and around the ball, marks the samples that robots hide, and sorts the other samples
+/// into core, rim and ring.
 bool BallFitter::read(const Frame& frame, Look& look, BallFit& out) noexcept {
-  // The squared distance of a ray from the ball's centre, by the place p where it meets the plane:
-  // |p|^2 - (n p)^2 with the ray's direction n, which hardly changes over a ball.
+  // Squared distance of a ray from the ball's centre, given the point p where the ray meets the plane: |p|^2
+  // - (n p)^2. The ray's direction n is nearly constant over a ball.
   const auto ray = frame.camera.ray(look.patch.pixel);
   if (!ray) return false;
   const Eigen::Vector3d n = ray->normalized();
@@ -228,7 +235,7 @@ bool BallFitter::read(const Frame& frame, Look& look, BallFit& out) noexcept {
           as_float(1 - n.y() * n.y()),
           as_float(frame.blur_px),
           1};
-  // Its image is the longer the more slantwise it is seen.
+  // The more obliquely the ball is seen, the longer is its image.
   const double longest = 1 / std::abs(n.z());
 
   boost::container::static_vector<Hides, 4> hiding;
@@ -274,7 +281,7 @@ bool BallFitter::read(const Frame& frame, Look& look, BallFit& out) noexcept {
   return on_ball >= kMinValues && out.visible_share >= kMinVisible;
 }
 
-/// What lies around the ball is carpet by its majority; the rest is left out.
+/// Treats the majority of the samples around the ball as carpet and leaves out the other samples.
 void BallFitter::leave_out_odd(const Look& look, BallFit& out) noexcept {
   struct Odd {
     float u, v;
@@ -292,7 +299,7 @@ void BallFitter::leave_out_odd(const Look& look, BallFit& out) noexcept {
       for (const std::uint16_t i : ring) values.add(value[i]);
       const float middle = values.get();
       for (const std::uint16_t i : ring) distances.add(std::abs(value[i] - middle));
-      // 1.48 times the median distance is sigma, were they normally distributed.
+      // For a normal distribution, sigma is 1.48 times the median distance.
       const float limit = kOddCarpet * std::max(1.48F * distances.get(), kMinSpread);
       const auto leave_out = [&](std::size_t i) {
         if (odd.size() < odd.capacity()) odd.push_back({group.samples.u[i], group.samples.v[i]});
@@ -300,8 +307,8 @@ void BallFitter::leave_out_odd(const Look& look, BallFit& out) noexcept {
       for (const std::uint16_t i : ring) {
         if (std::abs(value[i] - middle) > limit) leave_out(i);
       }
-      // At the silhouette there is ball, carpet or something between: what is not, is a line that runs under
-      // it.
+      // Samples at the silhouette show the ball, the carpet or a mixture of both. Samples with other values
+      // show a line that runs under the ball.
       Median inside;
       for (const std::uint16_t i : group.core.all()) inside.add(value[i]);
       if (group.core.count == 0) continue;
@@ -313,7 +320,8 @@ void BallFitter::leave_out_odd(const Look& look, BallFit& out) noexcept {
     }
   }
   if (!odd.empty()) {
-    // In all planes, with their neighbours, which are half of what they are.
+    // These samples are left out in all planes, together with their neighbours, which show half of the same
+    // object.
     const auto is_odd = [&](std::size_t g, std::size_t i, bool narrow) {
       const PlaneSamples& samples = groups_[g]->samples;
       const SampleGrid& grid = look.planes.groups[g].front();
@@ -330,8 +338,8 @@ void BallFitter::leave_out_odd(const Look& look, BallFit& out) noexcept {
       }
       return count;
     };
-    // In Bayer images samples of a colour are so far apart that with their next ones hardly any may be
-    // left.
+    // In Bayer images, samples of one colour are so far apart that hardly any might remain if the neighbours
+    // were left out, too.
     const bool narrow = look.groups == 3 && count_clear([&](std::size_t g, std::size_t i) {
                                               return !is_odd(g, i, false);
                                             }) < kMinClear * look.around;
@@ -346,7 +354,8 @@ void BallFitter::leave_out_odd(const Look& look, BallFit& out) noexcept {
   out.clear_share = look.around > 0 ? static_cast<double>(clear) / look.around : 0;
 }
 
-/// A highlight on the ball or its shadow beside it would pull at its place.
+/// Leaves out highlights on the ball and its shadow beside it, which would bias the position. Returns the
+/// number of samples left out.
 int BallFitter::leave_out_unlike(const Look& look) noexcept {
   constexpr float kNowhere = 2;  // z of a sample outside the ball's surroundings
   int count = 0;
@@ -395,7 +404,7 @@ void BallFitter::judge(BallFit& out) const noexcept {
   std::array<float, kHarmonics> along{}, length2{};
   const BallTemplate& ball = look.ball;
   Place place{};
-  std::size_t first = 0;  // plane of the group
+  std::size_t first = 0;  // first plane of the group
   for (std::size_t g = 0; g < look.groups; ++g) {
     const PlaneSamples& samples = groups_[g]->samples;
     const auto planes = static_cast<std::size_t>(samples.planes);
@@ -455,7 +464,7 @@ void BallFitter::judge(BallFit& out) const noexcept {
 }
 
 double BallFitter::rectangle_gain(const Frame& frame, const BallFit& found) noexcept {
-  // At its own place, so that what lies around is looked up for that.
+  // Fits again at the ball's final position, so that the surroundings are determined for this position.
   if (!fit_from(frame, found.x_mm, found.y_mm, {}).ok) return -1;
   const Look& look = *look_;
   const BallTemplate& ball = look.ball;
@@ -485,7 +494,7 @@ double BallFitter::rectangle_gain(const Frame& frame, const BallFit& found) noex
       if (!(samples.keep[i] > 0 || is_unlike) || flat.count == RectangleSamples::kMax) continue;
       const float u = samples.u[i], v = samples.v[i];
       if (!place.look_up(ball, u, v, sigma_x2, sigma_y2)) continue;
-      // A highlight is no help to either.
+      // A highlight supports neither model.
       if (is_unlike && place.z > 0) continue;
       flat.x[flat.count] = u * (patch.xu + patch.xuu * u + patch.xuv * v) + v * (patch.xv + patch.xvv * v);
       flat.y[flat.count] = u * (patch.yu + patch.yuu * u + patch.yuv * v) + v * (patch.yv + patch.yvv * v);
@@ -498,7 +507,7 @@ double BallFitter::rectangle_gain(const Frame& frame, const BallFit& found) noex
     }
     first += flat.planes;
   }
-  // As large as the ball's image.
+  // A square of the same area as the ball's image.
   const double half_mm = std::sqrt(std::numbers::pi) / 2 * frame.radius_mm;
   fit_rectangle({static_cast<double>(ball.x), static_cast<double>(ball.y), half_mm, half_mm, 0},
                 std::span(groups).first(look.groups));
@@ -563,13 +572,13 @@ BallFit BallFitter::fit_from(const Frame& frame, double x_mm, double y_mm,
           with[a] = static_cast<double>(plane.with[static_cast<std::size_t>(kCover + a)]);
         const Columns s = solver.solve(with);
         const double left = std::max(0.0, static_cast<double>(plane.square) - s.dot(with));
-        const double free = std::max(1.0, count - 7);  // samples beyond those that any model could fit
+        const double free = std::max(1.0, count - 7);  // degrees of freedom of the residuals
         const double variance = std::max(left / free, kMinVariance);
         const double mean = with[kGround - kCover] / count;
         const double all = std::max(0.0, static_cast<double>(plane.square) - count * mean * mean);
         total += all / (count - 1) / variance;
         explained += (all / (count - 1) - left / free) / variance;
-        // Light at the silhouette; its middle is brighter by the shading upwards.
+        // The contrast at the silhouette is `edge`; the middle is brighter by the upward shading.
         const double edge = s[0];
         contrast[next] = edge + 0.7 * s[kShadeUp - kCover];
         color[next] = contrast[next] + s[kGround - kCover];
@@ -621,7 +630,7 @@ BallFit BallFitter::fit_from(const Frame& frame, double x_mm, double y_mm,
       trimmed = true;
       if (is_hopeless()) return out;
       if (leave_out_unlike(look) > 0) {
-        pass = kPasses - 2;  // two more
+        pass = kPasses - 2;  // two more passes
         continue;
       }
     }

@@ -13,61 +13,64 @@
 
 namespace sslv {
 
-/// What the image says about a ball.
+/// Result of fitting a ball to the image.
 struct BallFit {
   bool ok = false;
-  double x_mm = 0, y_mm = 0;  // of its centre, one radius above the floor
-  double moved_mm = 0;        // from where the fit began
+  double x_mm = 0, y_mm = 0;  // the ball's centre, one radius above the floor
+  double moved_mm = 0;        // distance from the start of the fit
   double r2 = 0;              // share of the samples' variance that a ball there explains
-  double radius_mm = 0;       // the radius that would fit best
+  double radius_mm = 0;       // the radius that fits best
   double radius_sigma_mm = 0;
   PlaceCov place_cov;
-  double clear_share = 0;         // of the samples around it: carpet, and not line, robot or other things
-  double visible_share = 0;       // of the ball's own samples: not hidden by a robot
-  std::array<double, 3> color{};  // red, green and blue of its middle
-  double contrast = 0;  // difference of that from the carpet's, as a share of it (lengths of vectors)
-  double misfit = 1;    // root mean square of what the model leaves of the samples, over the contrast
-  /// Mean colour of what lies outside the silhouette in the worst of eight directions; 0: carpet, 1: ball.
+  double clear_share = 0;         // share of carpet among the samples around the ball
+  double visible_share = 0;       // share of the ball's samples that no robot hides
+  std::array<double, 3> color{};  // red, green and blue at the ball's middle
+  /// Length of the vector from the carpet's colour to `color`, divided by the length of `color`.
+  double contrast = 0;
+  double misfit = 1;  // root mean square of the residuals, divided by the contrast
+  /// Mean colour outside the silhouette, in the one of eight directions in which it is most similar to the
+  /// ball's colour; 0: carpet, 1: ball.
   double max_alike = 0;
-  /// Root of the summed squares of its outline's second to fourth harmonics: what ellipses, triangles and
-  /// squares have.
+  /// Root of the summed squares of the outline's second to fourth harmonics, by which ellipses, triangles and
+  /// squares differ from a circle.
   double out_of_round_mm = 0;
   double out_of_round_sigma_mm = 0;
 };
 
-/// Fits the image of a ball on the carpet: the silhouette of a sphere (by each sample's ray's distance from
-/// its centre), shaded by light from any side, to the raw samples of each colour plane. Samples around it
-/// that are not like the carpet (lines, other robots) and samples that a robot hides are left out.
+/// Fits a ball on the carpet to the raw samples of each colour plane: the silhouette of a sphere (from the
+/// distance of each sample's ray to the sphere's centre), shaded by light from any side. Leaves out samples
+/// around the ball that differ from the carpet (lines, other robots) and samples that a robot hides.
 class BallFitter {
  public:
-  /// What stays the same for a frame. All must outlive its use.
+  /// Constants of a frame. The references must outlive their use.
   struct Frame {
     const ImageView& image;
     const CameraModel& camera;
-    double radius_mm;                        // of the ball
-    std::span<const Robot> robots;           // that may hide it
-    double robot_radius_mm, robot_front_mm;  // their outline
+    double radius_mm;                        // the ball's radius
+    std::span<const Robot> robots;           // robots that may hide the ball
+    double robot_radius_mm, robot_front_mm;  // the robots' outline
     double blur_px;
   };
 
   BallFitter();
   ~BallFitter();
 
-  /// Whether a ball may come of a fit that is not finished, by what it says so far (`ok` is false).
+  /// Whether an unfinished fit may still become a ball, judged by its preliminary result (`ok` is false).
   using MayBeBall = std::function<bool(const BallFit& so_far)>;
 
-  /// Starts at (x, y) on the plane of its centre, good to about the radius. What judge() adds is missing.
-  /// `may_be_ball`, unless it is empty, is asked after the first step and before what is unlike a ball is
-  /// left out; if it says no, the fit ends there and is not ok. Allocates nothing.
+  /// Starts at (x, y) on the plane of the ball's centre, which should be accurate to about the radius. Does
+  /// not set the values that judge() adds. `may_be_ball`, unless it is empty, is called after the first step
+  /// and before samples unlike a ball are left out; if it returns false, the fit ends there and is not ok.
+  /// Allocates nothing.
   BallFit fit(const Frame& frame, double x_mm, double y_mm, const MayBeBall& may_be_ball = {}) noexcept;
 
-  /// Adds to the result of the last fit() what the samples say that the model has no room for: misfit,
-  /// max_alike, out_of_round_mm and its sigma. It takes about as long as a fit.
+  /// Adds the deviations from the model to the result of the last fit(): misfit, max_alike, out_of_round_mm
+  /// and its sigma. Takes about as long as a fit.
   void judge(BallFit& last) const noexcept;
 
-  /// How much better a piece of tape (a rectangle of one colour) explains the image than the ball `found`
-  /// there: the logarithm of the ratio of variances that they leave, the mean over all samples. Less than 0:
-  /// it explains less; -1 also where nothing can be told. Takes much longer than fit(). Allocates nothing.
+  /// How much better a piece of tape (a rectangle of one colour) explains the image than the ball `found`:
+  /// the logarithm of the ratio of their residual variances, averaged over all samples. Below 0: worse; also
+  /// -1 if the fit fails. Takes much longer than fit(). Allocates nothing.
   double rectangle_gain(const Frame& frame, const BallFit& found) noexcept;
 
  private:
@@ -78,9 +81,9 @@ class BallFitter {
   void leave_out_odd(const Look& look, BallFit& out) noexcept;
   int leave_out_unlike(const Look& look) noexcept;
 
-  struct Group;  // planes that share their samples' places
+  struct Group;  // planes that share the positions of their samples
   std::array<std::unique_ptr<Group>, 3> groups_;
-  std::unique_ptr<Look> look_;  // of the last fit
+  std::unique_ptr<Look> look_;  // state of the last fit
 };
 
 }  // namespace sslv

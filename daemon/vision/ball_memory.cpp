@@ -7,33 +7,37 @@
 namespace sslv {
 namespace {
 
-/// What is nearer to the lines may be a ball in play.
+/// Objects outside the lines by less than this may be balls in play.
 constexpr double kOffFieldMm = 60;
-/// Noise and light move a fit less far.
+/// Noise and changes of the light move the fit of a stationary object by less than this.
 constexpr double kStillMm = 10;
-/// Seen so often at one place, a thing stands there.
+/// An object that was seen this often at one place is stationary.
 constexpr int kStandsAfter = 3;
-/// What was seen within this time, at most so far away and is gone may have moved here.
+/// An object that has disappeared elsewhere may have moved here if it was last seen less than kTrackS ago and
+/// within kTrackReachMm plus the distance that it can have moved at kFastestMmS.
 constexpr double kTrackS = 0.25, kFastestMmS = 8000, kTrackReachMm = 60;
-/// A track so long is no flickering of things side by side.
+/// A track this long is not caused by detections that flicker between neighbouring objects.
 constexpr double kMovedMm = 300;
-/// A thing of another hue may be hidden for long, and lies there still.
+/// Objects are forgotten if they have not been seen for this time. Objects with another hue are remembered
+/// longer, because they may be hidden for a long time and still be there.
 constexpr double kForgetS = 60, kForgetOtherHueS = 3600;
 
-/// Seen no oftener at one place, a ball may have been on its way.
+/// A ball that was seen at most this many times at one place may have been rolling past.
 constexpr int kPassing = 2;
-/// Places nearer to each other say nothing new.
+/// Moved balls nearer to each other than this count once, because they add no information.
 constexpr double kOtherPlaceMm = 100;
-/// So many places tell the hue; things of other hues differ by so much from it, in shares of red, green and
-/// blue across the line to grey, and by so many times what the balls differ among themselves. (In hard halls
-/// that another renderer drew, balls differ by .03 at most in 67 of 68 cases, tape by more in three of four.)
+/// Balls that moved at kEnoughMoved places determine the balls' hue. An object has another hue if the
+/// distance of its chromaticity (shares of red, green and blue) from the line between grey and the balls'
+/// colour exceeds both kOtherHue and kOtherHueSpreads times the spread of the balls. (In difficult halls
+/// drawn by another renderer, this distance is at most 0.03 for balls in 67 of 68 cases and larger for tape
+/// in three of four cases.)
 constexpr std::size_t kEnoughMoved = 4;
 constexpr double kOtherHue = 0.03, kOtherHueSpreads = 4;
 constexpr double kClipped = 250;
-/// What is seen so soon was there from the beginning.
+/// An object first seen within this time after the start was there from the beginning.
 constexpr double kBeginningS = 10;
-/// Images in which a thing was seen, at 1000 Hz for ten days.
-constexpr int kMostCount = 1'000'000'000;
+/// Limit of the number of images in which an object was seen: more than ten days at 1000 Hz.
+constexpr int kMaxCount = 1'000'000'000;
 
 double median_of(std::array<double, 32>& values, std::size_t count) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(count / 2);
@@ -50,15 +54,15 @@ void BallMemory::begin(double now_s) noexcept {
     moved_count_ = 0;
     begun_s_ = now_s;
   }
-  // What the last image did not show any more has moved on, unless it stood there for long.
+  // An object that was seen in only a few images and is missing in the last image has moved on.
   for (Entry& entry : entries_) {
     if (entry.seen_s < now_s_ && entry.pictures <= kPassing) count_moved(entry);
   }
   now_s_ = now_s;
   std::erase_if(entries_, [&](const Entry& entry) {
-    // Counts of a recording may be anything, and these grow.
+    // Counts read from a recording may have any value; a huge count would overflow when it is incremented.
     const bool is_possible =
-        entry.pictures >= 0 && entry.pictures < kMostCount && entry.colors >= 0 && entry.colors < kMostCount;
+        entry.pictures >= 0 && entry.pictures < kMaxCount && entry.colors >= 0 && entry.colors < kMaxCount;
     return now_s - entry.seen_s > (entry.had_other_hue ? kForgetOtherHueS : kForgetS) || !is_possible;
   });
 }
@@ -89,7 +93,8 @@ bool BallMemory::has_other_hue(Entry& entry) const noexcept {
     for (std::size_t i = 0; i < count; ++i) values[i] = moved_[i].chromaticity[c];
     ball[c] = median_of(values, count);
   }
-  // Across the line from grey to the balls' colour, in the plane of shares that sum up to 1.
+  // Vector perpendicular to the line from grey to the balls' colour, in the plane of chromaticities (their
+  // sum is 1).
   const Color across{ball[1] - ball[2], ball[2] - ball[0], ball[0] - ball[1]};
   const double length = std::hypot(across[0], across[1], across[2]);
   if (!(length > 0)) return false;
@@ -142,7 +147,7 @@ BallMemory::Known BallMemory::see(double x_mm, double y_mm, double outside_mm, c
   for (auto entry = begin; entry != end; ++entry) {
     const double dt = now_s_ - entry->seen_s;
     if (!(dt > 0 && dt < kTrackS) || distance_mm(*entry) > kTrackReachMm + kFastestMmS * dt) continue;
-    // What stood there for long stands there still.
+    // A stationary object is assumed to be still at its place.
     if (!entry->is_ball && entry->pictures >= kStandsAfter) continue;
     if (before == nullptr || distance_mm(*entry) < distance_mm(*before)) before = &*entry;
   }

@@ -8,22 +8,23 @@
 
 namespace sslv {
 
-/// Tells things of the hall from balls by what they did: what lies off the field, has never moved and did not
-/// come from the field is furniture. A ball that rolls out is none, and nothing on the field is. And what has
-/// never moved since the memory began, wherever it lies, is no ball when its hue is another than that of the
-/// balls that move: those tell what colour balls have in this hall more exactly than any table. What was put
-/// down later may be a ball in other light: it is not judged so.
+/// Distinguishes balls from other objects in the hall by their history. An object off the field is furniture
+/// if it has never moved and did not come from the field. A ball that rolls off the field is not furniture,
+/// nor is any object on the field. Besides, an object that has not moved since the memory began, on or off
+/// the field, is not a ball if its hue differs from the hue of the balls that have moved: balls that have
+/// moved show the colour of balls in this hall more exactly than any table. An object that was put down later
+/// is not judged by its hue, because it may be a ball in different light.
 class BallMemory {
  public:
-  /// To be called before an image's sightings. Forgets all when time has gone back.
+  /// Call before an image's detections. Forgets everything if time has gone back.
   void begin(double now_s) noexcept;
   struct Known {
     bool as_furniture = false;
-    bool at_rest = false;        // it was there in the last images, too
-    bool has_other_hue = false;  // than the balls that move; it has never moved itself
+    bool at_rest = false;        // was seen at this place in an earlier image, too
+    bool has_other_hue = false;  // another hue than the balls that have moved
   };
   using Color = std::array<double, 3>;  // red, green and blue, in grey levels
-  /// Something there looks like a ball, or might. `is_sure`: it may tell what colour balls have.
+  /// Records an object that is or may be a ball. `is_sure`: the balls' colour may be learnt from this object.
   Known see(double x_mm, double y_mm, double outside_mm, const Color& color, bool is_sure) noexcept;
 
   BallMemory() {
@@ -38,20 +39,20 @@ class BallMemory {
  private:
   static constexpr std::size_t kMax = 64;
   struct Entry {
-    double x_mm, y_mm;            // where it was first
-    double from_x_mm, from_y_mm;  // where the track that led there began
+    double x_mm, y_mm;            // position where it was first seen
+    double from_x_mm, from_y_mm;  // start of the track that led there
     double first_s, seen_s;
     int pictures;
-    bool is_ball;    // was on the field, or moved
-    bool has_moved;  // all along a track
+    bool is_ball;    // was on the field, or has moved
+    bool has_moved;  // has moved far along its track
     bool is_sure;
-    bool is_counted;  // among those that moved
-    bool was_there;   // when the memory began
+    bool is_counted;  // is in moved_
+    bool was_there;   // was there when the memory began
     bool had_other_hue;
-    int colors;          // that `chromaticity` is the mean of
-    Color chromaticity;  // of red, green and blue
+    int colors;          // number of colours averaged in `chromaticity`
+    Color chromaticity;  // shares of red, green and blue
   };
-  /// A ball that was there, and is not any more.
+  /// A ball that has left its place.
   struct Moved {
     double x_mm, y_mm;
     Color chromaticity;
@@ -61,10 +62,10 @@ class BallMemory {
   void count_moved(Entry& entry) noexcept;
   bool has_other_hue(Entry& entry) const noexcept;
 
-  std::vector<Entry> entries_;  // kMax at most
+  std::vector<Entry> entries_;  // at most kMax
   double begun_s_ = 0, now_s_ = 0;
-  std::vector<Moved> moved_;     // kMaxMoved at most, then in a ring
-  std::size_t moved_count_ = 0;  // ever
+  std::vector<Moved> moved_;     // ring buffer of at most kMaxMoved
+  std::size_t moved_count_ = 0;  // total number of balls added to moved_
 };
 
 }  // namespace sslv

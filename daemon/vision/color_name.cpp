@@ -24,9 +24,10 @@ double squared_distance(const Chromaticity& a, const Chromaticity& b) {
   return sum;
 }
 
-/// A purer colour of the same hue is no further away: it is the same print with less white in its light.
+/// Distance that ignores higher purity: a purer colour of the same hue is the same print with less white in
+/// its light.
 double distance_unless_purer(const Chromaticity& seen, const Chromaticity& known) {
-  Chromaticity away, purer;  // from the known colour; from grey to the known colour
+  Chromaticity away, purer;  // vector from `known` to `seen`; vector from grey to `known`
   double along = 0, length2 = 0, distance2 = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     away[i] = seen[i] - known[i];
@@ -43,7 +44,7 @@ double distance_unless_purer(const Chromaticity& seen, const Chromaticity& known
 
 std::array<double, 3> unclipped(const std::array<double, 3>& contrast, const std::array<double, 3>& color,
                                 const std::array<double, 3>& chromaticity) noexcept {
-  constexpr double kMaxTimes = 2;  // with no limit, white that shines would be of any colour
+  constexpr double kMaxTimes = 2;  // without a limit, overexposed white could match any colour
   double along = 0, length2 = 0;
   bool any_clipped = false;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -89,10 +90,12 @@ ColorName name_color(const std::array<double, 3>& contrast, const std::array<dou
   out.off = distance_unless_purer(seen_as(best_color), lut.chromaticity_mean(best_color)) /
             std::max(lut.chromaticity_spread(best_color), kMinSpread);
   if (second_color != label::kClear) {
-    // Along the line between the two: 0 in its middle, 1 at the best one.
+    // Position along the line between the chromaticities of both labels: 0 at its middle, 1 at the best
+    // label.
     const double apart =
         squared_distance(lut.chromaticity_mean(best_color), lut.chromaticity_mean(second_color));
-    // A clipped colour may lie just at one of the two, and nearer to the other than these to each other.
+    // A clipped colour may match one label exactly and be nearer to the other label than the labels are to
+    // each other.
     constexpr double kMinApart = 0.2;
     const double both = std::max(std::sqrt(best) + std::sqrt(second), kMinApart);
     out.margin = apart > 0 ? (second - best) / std::min(apart, both * both) : 0;

@@ -11,27 +11,27 @@ namespace sslv {
 /// The likeliest of several colours.
 struct ColorName {
   Label color = label::kClear;
-  double margin = 0;  // 0: might as well be the second likeliest; 1: just as the table's colour; less than 0:
-                      // the colour table contradicts
-  double off = 0;  // distance of its shares of red, green and blue from those of the table's colour, over the
-                   // spread of these; for a colour that is only purer, its distance in hue
+  double margin = 0;  // 0: the second likeliest colour is equally likely; 1: exactly the table's colour;
+                      // below 0: the table gives this colour another label
+  double off = 0;  // distance of its chromaticity (shares of red, green and blue) from the label's, divided
+                   // by the label's spread; higher purity does not count
 };
 
-/// From here on a channel counts as clipped: averages over a dot end a little below 255, for noise is clipped
-/// too.
+/// Channels from this level on count as clipped. Averages over a clipped dot are a little below 255, because
+/// noise is clipped too.
 inline constexpr double kClippedGrey = 250;
 
-/// A contrast as it was before clipping: channels of `color` at their upper end may have been any brighter,
-/// up to twice as much, and count as what makes the contrast's shares most like these. In grey levels, red,
-/// green, blue.
+/// Estimates a contrast before clipping. Clipped channels of `color` may have been up to twice as bright;
+/// they are set to the values for which the contrast's chromaticity is nearest to `chromaticity`. All values
+/// are in grey levels: red, green, blue.
 std::array<double, 3> unclipped(const std::array<double, 3>& contrast, const std::array<double, 3>& color,
                                 const std::array<double, 3>& chromaticity) noexcept;
 
-/// Names the colour of an evenly coloured thing. The shares of red, green and blue in its contrast to the
-/// black (or dark) ground, which stay when the light changes, are compared with those of the table's labels;
-/// the table itself is asked about its colour, which is freer of noise than any pixel's. What is clipped
-/// counts as whatever brings it nearest to each label. Both in grey levels, red, green, blue. `allowed` has
-/// at least one label.
+/// Names the colour of an evenly coloured object. Compares the chromaticity of the object's contrast to the
+/// black or dark ground, which does not change with the light, with the chromaticity of each label in the
+/// table. Also looks up the object's colour in the table, because this colour has less noise than a single
+/// pixel. For each label, clipped channels count with the values that are nearest to the label. `contrast`
+/// and `color` are in grey levels: red, green, blue. `allowed` has at least one label.
 ColorName name_color(const std::array<double, 3>& contrast, const std::array<double, 3>& color,
                      const Lut& lut, std::span<const Label> allowed) noexcept;
 

@@ -3,38 +3,38 @@
 
 namespace sslv {
 
-// How likely a detection is right. Both are logistic regressions, fitted to what the detectors find in
-// simulated images of all the conditions in docs/accuracy.md, where the truth is known: among detections
-// with confidence c, about c are right. Results lie in [0, 1] and are never NaN.
+// Probability that a detection is right. Both are logistic regressions, fitted to detections in simulated
+// images of all the conditions in docs/accuracy.md, where the truth is known: among detections with
+// confidence c, a share of about c is right. Results lie in [0, 1] and are never NaN.
 
-/// What speaks for a pattern being that robot.
+/// Evidence that a pattern is the robot it was identified as.
 struct RobotEvidence {
-  double min_sure = 0;  // of the proven dots: the least margin times snr of a colour (PatternDotFit)
-  double rms_mm = 0;    // as PatternFit
+  double min_sure = 0;  // least margin times snr among the proven dots (PatternDotFit)
+  double rms_mm = 0;    // see PatternFit
   double min_r2 = 0, mean_r2 = 0;
-  int unproven = 0;  // dots that are not proven: their colours follow from what else is known
+  int unproven = 0;  // number of dots whose colour is not proven but inferred
 };
 double confidence_of(const RobotEvidence& evidence) noexcept;
 
-/// What speaks for a region being a ball.
+/// Evidence that a region is a ball.
 struct BallEvidence {
-  double r2 = 0;            // as BallFit
-  double moved_share = 0;   // distance between region and fit over the radius
-  double clear_share = 1;   // as BallFit
-  double misfit = 1;        // as BallFit
-  double out_of_round = 0;  // its outline's harmonics over 3.5 % of the radius and their deviation
-  double radius_off = 0;    // distance of the best radius from the true one, over 8 % of it and its deviation
-  double radius_sigma = 1;  // that deviation over the radius
-  double area_ratio = 1;    // the region's area over that of the ball's visible part
-  double visible_share = 1;  // as BallFit
-  bool is_orange = true;     // no other of the table's colours is nearer to the fitted one
-  double color_off = 0;      // as ColorName
-  double contrast = 0;       // as BallFit
-  double max_alike = 0;      // as BallFit
-  double outside_mm = 0;     // how far outside the lines and goals it lies; less than 0: inside
-  /// As BallFitter::rectangle_gain(); balls have less. By default nothing is known.
+  double r2 = 0;             // see BallFit
+  double moved_share = 0;    // distance between region and fit, over the radius
+  double clear_share = 1;    // see BallFit
+  double misfit = 1;         // see BallFit
+  double out_of_round = 0;   // BallFit::out_of_round_mm over its sigma and 3.5 % of the radius, in quadrature
+  double radius_off = 0;     // error of the fitted radius over its sigma and 8 % of the radius, in quadrature
+  double radius_sigma = 1;   // sigma of the fitted radius, over the radius
+  double area_ratio = 1;     // area of the region over the area of the ball's visible part
+  double visible_share = 1;  // see BallFit
+  bool is_orange = true;     // the table's nearest label to the fitted colour is orange
+  double color_off = 0;      // see ColorName
+  double contrast = 0;       // see BallFit
+  double max_alike = 0;      // see BallFit
+  double outside_mm = 0;     // distance outside the lines and goals; negative: inside
+  /// As BallFitter::rectangle_gain(); lower for balls. The default means unknown.
   double tape_gain = -1;
-  bool is_bayer = false;  // the planes' samples are half as dense
+  bool is_bayer = false;  // samples of each plane are half as dense
 };
 double confidence_of(const BallEvidence& evidence) noexcept;
 

@@ -11,8 +11,8 @@ bool is_cut_off(const Region& region, const ImageView& image, const Mask& mask) 
   const int columns = image.width / cell_px, rows = image.height / cell_px;
   const int left = region.left / cell_px, right = region.right / cell_px;
   const int top = region.top / cell_px, bottom = region.bottom / cell_px;
-  // An ellipse that reaches a cell further than the region: its box' corners may be hidden without touching
-  // it.
+  // Checks an ellipse one cell larger than the region, because the mask may hide corners of the region's box
+  // without touching the region.
   const double middle_x = (left + right) / 2.0, middle_y = (top + bottom) / 2.0;
   const double half_x = (right - left) / 2.0 + 1.5, half_y = (bottom - top) / 2.0 + 1.5;
   for (int y = std::max(0, top - 1); y <= std::min(rows - 1, bottom + 1); ++y) {

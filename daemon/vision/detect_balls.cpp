@@ -15,7 +15,7 @@
 namespace sslv {
 namespace {
 
-/// What a ball might be taken for, or what for a ball.
+/// Colours that may be confused with the ball's.
 constexpr std::array kLikeBalls{label::kOrange, label::kYellow, label::kPink, label::kBlue, label::kGreen};
 
 /// Whether the ray through the pixel meets a robot's top, `inside_mm` or more within its outline.
@@ -23,7 +23,7 @@ bool lies_on_one(const std::vector<Robot>& robots, const CameraModel& camera, co
                  double radius_mm, double front_mm, double inside_mm) {
   const double within_mm = radius_mm - inside_mm;
   double height_mm = std::numeric_limits<double>::quiet_NaN();
-  // Where the ray meets the plane of that height, which most robots share.
+  // Point where the ray meets the plane z = height_mm; most robots have the same height.
   Eigen::Vector2d top = Eigen::Vector2d::Constant(height_mm);
   for (const Robot& robot : robots) {
     if (robot.height_mm != height_mm) {
@@ -39,7 +39,7 @@ bool lies_on_one(const std::vector<Robot>& robots, const CameraModel& camera, co
   return false;
 }
 
-/// How far outside the touch and goal lines; less than 0: inside. The goals belong to the field.
+/// Distance (mm) outside the touch and goal lines; below 0: inside. The goals belong to the field.
 double outside_mm(const FieldSize& field, const Eigen::Vector2d& place_mm) {
   const double beyond_x = std::abs(place_mm.x()) - field.field_length / 2.0;
   const double beyond_y = std::abs(place_mm.y()) - field.field_width / 2.0;
@@ -47,39 +47,43 @@ double outside_mm(const FieldSize& field, const Eigen::Vector2d& place_mm) {
   return in_goal ? std::min(0.0, beyond_x) : std::max(beyond_x, beyond_y);
 }
 
-/// How much coarser the segmentation's cells are than those whose regions the confidence was fitted to; 0:
-/// not much.
+/// Excess width (mm) of the segmentation's cells over the cells of the images to which the confidence was
+/// fitted; 0 if it is small.
 double coarser_mm(const CameraModel& camera, const ImageView& image, const Eigen::Vector2d& pixel,
                   double radius_mm) {
-  // Of the radius: Bayer quads in images of 0.18 and 0.12 px/mm. Up to the latter balls have a region that
-  // says enough, and five fits for each would cost too much in a hall full of orange things.
+  // Cell widths over the radius: Bayer quads in images of 0.18 px/mm (kUsual) and 0.12 px/mm (kCoarse). Up to
+  // kCoarse, one fit from a region's centroid is sufficient; five fits for each region would cost too much in
+  // a hall full of orange objects.
   constexpr double kUsual = 0.55, kCoarse = 0.75;
   const double cell_mm = (is_bayer(image.format) ? 2 : 1) * std::sqrt(camera.mm2_per_px(pixel, radius_mm));
   return cell_mm > kCoarse * radius_mm ? cell_mm - kUsual * radius_mm : 0;
 }
 
-/// The most that BallFitter::judge() may leave of the confidence.
+/// The highest confidence that is possible after BallFitter::judge().
 double max_confidence_of(BallEvidence e) {
   e.misfit = e.out_of_round = e.max_alike = 0;
   return confidence_of(e);
 }
 
-/// Of the radius; in spreads of the ball's colour.
+/// Limits if cells are coarse: kUnsure for the sigma of the radius over the radius, kOffColor for the
+/// distance of the colour in spreads of the ball's colour.
 constexpr double kUnsure = 0.35, kOffColor = 0.5;
-/// With less of it in sight a ball is hidden; other starts lie so many radii to each side.
+/// A ball is partly hidden if a share of less than kHidden is visible. Then more fits start kAside radii to
+/// each side of the region's centroid.
 constexpr double kHidden = 0.95, kMinVisible = 0.4, kAside = 0.35;
-/// What tells the balls' colour looks so much like a ball.
+/// Least confidence of objects from which the balls' colour is learnt.
 constexpr double kSure = 0.8;
-/// Of a ball's fit that has only begun, at most so much stays of what the ball does not explain, and of how
-/// far the colour is off; and its contrast grows at most so much. The result was the same with and without in
-/// 816 YUV and RGB images of 34 drawn halls. Not where cells are coarse, and balls are looked for from other
-/// starts as well.
+/// Best case assumed for an unfinished fit: the unexplained share and the radius error shrink by the factor
+/// kStillUnexplained, the distance of the colour shrinks by the factor kStillOff, and the contrast grows by
+/// the factor kMoreContrast. The detections were the same with and without this check in 816 YUV and RGB
+/// images of 34 drawn halls. Not used if cells are coarse, because balls are then searched from additional
+/// starts.
 constexpr double kStillUnexplained = 0.3, kStillOff = 0.4, kMoreContrast = 1.5;
-/// What is remembered looks at least so much like a ball.
+/// Least confidence of objects that are remembered.
 constexpr double kPerhaps = 0.02;
 
-/// Whether the first of two places of one ball is the better one. Where both are the same, the second one
-/// stays unless it is much worse: what they differ by then is chance.
+/// Whether `place` is a better fit of a ball than `other`. If both have the same position, `other` is
+/// preferred unless it is clearly worse, because small differences are random.
 template <class Place, class Other>
 bool is_better(const Place& place, double confidence, const Other& other, double others_confidence) {
   constexpr double kSamePlaceMm = 0.1, kSameConfidence = 0.01;
@@ -101,7 +105,7 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
   const double max_x_mm = scene.field.field_length / 2.0 + params.max_outside_mm;
   const double max_y_mm = scene.field.field_width / 2.0 + params.max_outside_mm;
   const double robot_radius_mm = scene.field.max_robot_radius;
-  // The league's robots are cut off where their front is flat.
+  // The league's robots have a flat front at this distance.
   const double robot_front_mm = robot_radius_mm * 55 / 90;
 
   const BallFitter::Frame frame{image.view(),    camera,         radius_mm,     robots.robots,
@@ -113,7 +117,8 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
     const Eigen::Vector2d pixel(region.x_px, region.y_px);
     const double ratio = region.area_px * camera.mm2_per_px(pixel, radius_mm) / true_area_mm2;
     if (!(ratio >= params.min_area_ratio && ratio <= params.max_area_ratio)) return;
-    // Cut off on two sides, too little is left to tell where its middle is.
+    // If the image's edge cuts a region on two sides, too little of the region is visible to locate its
+    // middle.
     const bool in_corner = (region.left == 0 || region.right + 1 >= image.view().width) &&
                            (region.top == 0 || region.bottom + 1 >= image.view().height);
     if (in_corner || is_cut_off(region, image.view(), mask)) return;
@@ -129,7 +134,7 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
     BallFit fit;
     BallEvidence evidence;
     double confidence = 0;
-    // Most of what is orange in a hall is no ball, and most fits show that before they are finished.
+    // Most orange objects in a hall are not balls, and most fits show this before they are finished.
     const auto may_become_ball = [&](const BallFit& so_far) {
       BallEvidence at_best = evidence_of(so_far, scene, lut, ratio, coarse_mm);
       at_best.r2 = 1 - kStillUnexplained * (1 - at_best.r2);
@@ -142,7 +147,7 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
       return max_confidence_of(at_best) >= min_remembered;
     };
     BallFitter::MayBeBall may_be_ball;
-    // In Bayer images a fit that has only begun says too little, and to finish it takes little.
+    // In Bayer images an unfinished fit is not informative enough, and finishing it costs little.
     if (coarse_mm == 0 && !is_bayer(image.view().format))
       may_be_ball = std::cref(may_become_ball);  // no copy: nothing is allocated
     const auto try_from = [&](double x_mm, double y_mm) {
@@ -151,10 +156,11 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
       if (!other.ok) return;
       other.moved_mm = std::hypot(other.x_mm - place->x(), other.y_mm - place->y());
       BallEvidence says = evidence_of(other, scene, lut, ratio, coarse_mm);
-      // In a few samples nearly anything is round: there the colour must tell.
+      // With only a few samples, nearly any object fits as round, so the colour decides.
       const bool unlike =
           coarse_mm > 0 && (!says.is_orange || says.color_off > kOffColor || says.radius_sigma > kUnsure);
-      // Most of what is orange in a hall is no ball whatever its samples say besides.
+      // Skips judge() if even its best result could not make this object a ball. This is the case for most
+      // orange objects in a hall.
       double likely = unlike ? 0 : max_confidence_of(says);
       if (!unlike && likely >= min_remembered) {
         fitter_.judge(other);
@@ -167,8 +173,8 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
       confidence = likely;
     };
     try_from(place->x(), place->y());
-    // The region's place may be nearer to the silhouette than to the middle: where cells are large, and where
-    // a robot hides the other half.
+    // The region's centroid may be nearer to the silhouette than to the ball's centre if cells are large or
+    // if a robot hides half of the ball.
     const bool is_hidden =
         fit.visible_share > 0 && fit.visible_share < kHidden && confidence < params.min_confidence;
     if (coarse_mm > 0 || is_hidden) {
@@ -179,13 +185,14 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
       if (is_hidden && !(evidence.is_orange && fit.visible_share > kMinVisible)) return;
     }
     if (!fit.ok) return;
-    // Also what is not reported: in other light it may look more like a ball.
+    // Objects that are not reported are remembered too: in other light they may look more like balls.
     if (confidence < min_remembered) return;
     const BallMemory::Known known =
         memory_.see(fit.x_mm, fit.y_mm, evidence.outside_mm, fit.color, confidence > kSure);
     if (known.as_furniture || known.has_other_hue || confidence < params.min_confidence) return;
-    // A ball that moves is as long as tape. In a few pixels its corners do not show.
-    constexpr double kLargePixel = 0.47;  // of the radius
+    // Compares with tape only if the ball is at rest, because a moving ball is blurred into a strip, and only
+    // if pixels are small enough to show the corners of tape.
+    constexpr double kLargePixel = 0.47;  // share of the radius
     if (known.at_rest && std::sqrt(camera.mm2_per_px(pixel, radius_mm)) < kLargePixel * radius_mm) {
       evidence.tape_gain = fitter_.rectangle_gain(frame, fit);
       evidence.is_bayer = is_bayer(image.view().format);
@@ -194,7 +201,7 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
     }
     const auto fitted = camera.project({fit.x_mm, fit.y_mm, radius_mm});
     if (!fitted) return;
-    // Of several regions of one ball, the best fit counts.
+    // If several regions belong to one ball, the best fit counts.
     const Ball ball{fit.x_mm,   fit.y_mm,      fitted->x(),   fitted->y(),        region.area_px,
                     confidence, fit.place_cov, fit.radius_mm, fit.radius_sigma_mm};
     const auto same = std::find_if(out.balls.begin(), out.balls.end(), [&](const Ball& other) {
@@ -210,7 +217,7 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
     if (out.capped) break;
     look_at(region);
   }
-  // A ball that fills no cell of its own mixes with the carpet to yellow.
+  // If a ball fills no cell completely, its colour and the carpet's mix to yellow.
   const Eigen::Vector2d middle(image.view().width / 2.0, image.view().height / 2.0);
   if (coarser_mm(camera, image.view(), middle, radius_mm) > 0) {
     for (const Region& region : regions.of(label::kYellow)) {
@@ -242,8 +249,7 @@ BallEvidence DetectBalls::evidence_of(const BallFit& fit, const Scene& scene, co
   if (e.area_ratio < 1) e.area_ratio = std::min(1.0, e.area_ratio + coarser_mm / radius_mm);
   e.visible_share = fit.visible_share;
   const ColorName name = name_color(fit.color, fit.color, lut, kLikeBalls);
-  // Of balls that fill no cell the table has seen mixtures with the carpet only, and knows not their own
-  // colour.
+  // If balls fill no cell completely, the table knows only mixtures with the carpet, not their own colour.
   constexpr double kSameColor = 0.25;
   const bool same_color = coarser_mm > 0 && name.off < kSameColor;
   e.is_orange = name.color == label::kOrange && (name.margin > 0 || same_color);

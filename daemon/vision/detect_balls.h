@@ -17,10 +17,11 @@
 
 namespace sslv {
 
-/// Finds balls: regions of the ball's colour say where to look; what there is, is read from the image's own
-/// samples by fitting a sphere (BallFitter). Size, roundness, colour and surroundings give the confidence.
-/// What lies on a robot's top is part of its pattern; what a robot hides of a ball is left out of the fit.
-/// What stands off the field since it was first seen is furniture and not reported (BallMemory).
+/// Finds balls. Regions of the ball's colour give start positions, from which a sphere is fitted to the
+/// image's own samples (BallFitter). Size, roundness, colour and surroundings give the confidence. A region
+/// on a robot's top is part of its pattern; parts of a ball that a robot hides are left out of the fit.
+/// Objects that have stood off the field since they were first seen are furniture and are not reported
+/// (BallMemory).
 class DetectBalls {
  public:
   struct Params {
@@ -60,8 +61,8 @@ class DetectBalls {
                const FrameInfo& info, const Image& image, const RegionList& regions, const RobotList& robots,
                BallList& balls) noexcept;
 
-  /// `area_ratio` is the region's area over that of a ball; `coarser_mm`: how much wider the segmentation's
-  /// cells are than those that the confidence was fitted to.
+  /// `area_ratio`: area of the region over the area of a ball; `coarser_mm`: excess width of the
+  /// segmentation's cells over the cells of the images to which the confidence was fitted.
   static BallEvidence evidence_of(const BallFit& fit, const Scene& scene, const Lut& lut, double area_ratio,
                                   double coarser_mm = 0);
 

@@ -13,26 +13,27 @@
 namespace sslv {
 namespace {
 
-/// A side dot's region this far from its place is not taken for it, when looking where to start.
+/// In start poses, a region further than this from a side dot's place does not belong to the dot.
 constexpr double kNearMm = 16;
-/// With all side dots this near to their places there is no better arrangement to look for.
+/// If all side dots are this near to their places, the search for a better arrangement ends.
 constexpr double kSureMm = 2;
-/// Regions around one centre that are tried as side dots; more would be clutter.
+/// Maximum number of regions around one centre that are tried as side dots; more regions are clutter.
 constexpr std::size_t kMaxNear = 24;
-/// How much nearer than the second likeliest a colour must be to count as proven: PatternDotFit::margin.
+/// Least PatternDotFit::margin of a proven colour.
 constexpr double kMinMargin = 0.05;
-/// A dot whose colour lies further from the table's than this many times their spread is something else: a
-/// sticker, a hand.
-/// The two teams' colours lie further apart than two side dots' may, and yellow turns to orange in dim light.
+/// Largest distance of a dot's colour from the table's colour, in spreads. With a larger distance, the object
+/// is not a dot but, for example, a sticker or a hand. The limit for the centre dot is larger, because the
+/// team colours are further apart than the colours of side dots may be, and because yellow turns to orange in
+/// dim light.
 constexpr double kMaxOff = 1.6, kMaxCenterOff = 2.5;
 constexpr int kFewPasses = 4, kManyPasses = 6;
 constexpr double kDuplicateShare = 0.25;
-/// What was seen in the last images is the same robot within these.
+/// Largest differences in position and heading between a remembered robot and the same robot now.
 constexpr double kSamePlaceMm = 60, kSameHeadingRad = 0.5;
 
 using Ids = std::bitset<256>;
 
-/// std::hypot, but for its care about overflow, which takes longer than the rest.
+/// std::hypot without its protection against overflow, which takes longer than the rest of the function.
 double distance(double dx, double dy) {
   return std::sqrt(dx * dx + dy * dy);
 }
@@ -41,7 +42,8 @@ double disc_area_mm2(double diameter_mm) {
   return std::numbers::pi * diameter_mm * diameter_mm / 4;
 }
 
-/// The blob's place on the plane z = height if its area there suits a dot of this size.
+/// Position of the region on the plane z = `height_mm`; nullopt if its area there does not match a dot of
+/// `area_mm2` or if the mask cuts the region.
 std::optional<Eigen::Vector2d> place_of(const Region& region, const PatternFitter::Frame& frame,
                                         const Mask& mask, double height_mm, double area_mm2,
                                         const DetectRobots::Params& params) {
@@ -81,8 +83,9 @@ void DetectRobots::process(const Params& params, const Scene& scene, const Patte
     search_from_centers(params, frame, team, height_mm, mask, regions);
   }
   search_from_memory(params, frame, scene, mask);
-  // Whatever side dots are left: robots whose centre dot no region shows. Last, as a board beside the carpet
-  // may have so many of their colours that no work is left after them.
+  // Searches for robots whose centre dot has no region, from the remaining side dots. This is the last
+  // search, because a board beside the carpet may have so many regions of these colours that they would use
+  // up the work limit.
   for (const Team team : {Team::kYellow, Team::kBlue}) {
     const double height_mm = scene.height_of(team);
     if (team == Team::kBlue && height_mm == scene.height_of(Team::kYellow)) break;
@@ -124,7 +127,7 @@ Eigen::Vector2d DetectRobots::mm_per_row_at(const PatternPose& pose) const {
 void DetectRobots::collect_dots(const Params& params, const Frame& frame, double height_mm, const Mask& mask,
                                 const RegionList& regions) {
   dots_.clear();
-  // Dots of different sizes are all taken for the mean one here: the areas' limits are wide.
+  // Uses the mean area for dots of all sizes; the limits of the area ratio are wide enough.
   double area_mm2 = 0;
   for (const PatternDot& dot : frame.patterns.dots)
     area_mm2 += disc_area_mm2(dot.diameter_mm) / static_cast<double>(frame.patterns.dots.size());
@@ -143,7 +146,7 @@ std::vector<DetectRobots::Dot>::iterator DetectRobots::first_dot_right_of(double
                           [](const Dot& dot, double x) { return dot.x_mm < x; });
 }
 
-/// Side dots at a found robot's places are no hint of another.
+/// Marks the side dots of a robot that was found, so that no other robot is searched from these dots.
 void DetectRobots::explain_dots(const PatternTable& patterns, const Candidate& found) {
   const double c = std::cos(found.fit.pose.angle_rad), s = std::sin(found.fit.pose.angle_rad);
   for (std::size_t i = 0; i < patterns.dots.size(); ++i) {
@@ -158,11 +161,11 @@ void DetectRobots::explain_dots(const PatternTable& patterns, const Candidate& f
   }
 }
 
-/// The turn of the pattern about a centre at which most of its side dots lie on regions, and the pose that
-/// fits those and the centre best.
+/// Finds the rotation of the pattern about a centre for which the largest number of side dots lie on regions,
+/// and the pose that fits these regions and the centre best.
 DetectRobots::Start DetectRobots::arrange(const PatternTable& patterns, double x_mm, double y_mm) {
   using Point = std::complex<double>;
-  std::array<Point, kMaxNear> near;  // from the centre
+  std::array<Point, kMaxNear> near;  // positions relative to the centre
   std::size_t count = 0;
   const double reach_mm = patterns.reach_mm + kNearMm;
   for (auto dot = first_dot_right_of(x_mm - reach_mm);
@@ -181,7 +184,7 @@ DetectRobots::Start DetectRobots::arrange(const PatternTable& patterns, double x
   }
   int most = 0;
   double min_error = 0;
-  Point turn_dots(0, 0), shift(0, 0);  // of the best arrangement
+  Point turn_dots(0, 0), shift(0, 0);  // rotation and shift of the best arrangement
   double matched_weight = 1;
   const auto is_sure = [&] {
     return most == static_cast<int>(sides) && min_error < most * kSureMm * kSureMm;
@@ -215,7 +218,8 @@ DetectRobots::Start DetectRobots::arrange(const PatternTable& patterns, double x
       if (matched > most || (matched == most && error < min_error)) {
         most = matched;
         min_error = error;
-        // Least squares with the centre itself as one more point, at 0 in both (Umeyama 1991, no scale).
+        // Least squares with the centre as an additional point, which is at 0 in both point sets (Umeyama
+        // 1991, without scale).
         matched_weight = 1.0 / (matched + 1);
         turn_dots = sum_turn - sum_seen * std::conj(sum_model) * matched_weight;
         turn_dots = std::abs(turn_dots) > 0 ? turn_dots / std::abs(turn_dots) : turn;
@@ -236,8 +240,9 @@ void DetectRobots::search_from_centers(const Params& params, const Frame& frame,
       const auto place = place_of(region, frame, mask, height_mm, area_mm2, params);
       if (!place) continue;
       if (!time_left(params)) return;
-      // A wooden floor may be full of what could be centre dots: blobs that have no side dots beside them get
-      // a part of the work only, so that robots, wherever they come in the list, get the rest.
+      // A wooden floor may have many regions that look like centre dots. Regions without side dots beside
+      // them may use only a part of the work limit; the rest is kept for robots, wherever they are in the
+      // list.
       constexpr double kShareOfBlobsAlone = 0.5;
       constexpr int kFewDots = 2;
       const int min_matched = work_done() < kShareOfBlobsAlone * params.max_work ? 0 : kFewDots;
@@ -245,8 +250,8 @@ void DetectRobots::search_from_centers(const Params& params, const Frame& frame,
     }
   };
   search(color);
-  // In dim light yellow reads as orange, and where a channel is clipped. So does every ball, but that is no
-  // disc on black. Regions of side dots need not be there: in the shade green ones are as dark as carpet.
+  // Yellow is labelled orange in dim light and if a channel is clipped. Balls are orange, too, but a ball is
+  // not a disc on black. Side dots may have no regions: in the shade, green dots are as dark as carpet.
   if (color == label::kYellow) search(label::kOrange);
 }
 
@@ -260,7 +265,7 @@ void DetectRobots::search_around(const Params& params, const Frame& frame, doubl
     best = examine(params, frame, start.pose, height_mm, kFewPasses);
     if (best.proven_dots == all) return keep(frame.patterns, best);
   }
-  // Regions do not tell: the image itself must.
+  // The regions alone do not prove a robot, so the search continues in the image.
   const auto center = fitter_.fit_center(frame, x_mm, y_mm, height_mm);
   if (!center.seen) return;
   const auto try_start = [&](const PatternPose& pose) {
@@ -285,7 +290,7 @@ void DetectRobots::search_around(const Params& params, const Frame& frame, doubl
 void DetectRobots::search_from_side_dots(const Params& params, const Frame& frame, double height_mm) {
   const PatternTable& patterns = frame.patterns;
   const double reach_mm = 2 * patterns.reach_mm;
-  constexpr std::size_t kMaxTries = 8;  // of one dot
+  constexpr std::size_t kMaxTries = 8;  // tries per dot
   constexpr double kWorkOfAPair = 0.05;
   for (std::size_t i = 0; i < dots_.size(); ++i) {
     std::size_t tries = 0;
@@ -300,7 +305,7 @@ void DetectRobots::search_from_side_dots(const Params& params, const Frame& fram
       const auto try_as = [&](const PatternDot& a, const PatternDot& b) {
         const double mx = b.x_mm - a.x_mm, my = b.y_mm - a.y_mm;
         if (std::abs(distance(mx, my) - apart_mm) > 0.5 * kNearMm) return;
-        // The turn that lays one pair over the other.
+        // Rotation that maps the two pattern dots to the two regions.
         const double length2 = apart_mm * distance(mx, my);
         const double c = (dx * mx + dy * my) / length2, s = (dy * mx - dx * my) / length2;
         const Start start = arrange(patterns, dots_[i].x_mm - c * a.x_mm + s * a.y_mm,
@@ -376,7 +381,8 @@ DetectRobots::Candidate DetectRobots::examine(const Params& params, const Frame&
   return out;
 }
 
-/// With more than one dot unproven nothing can come of it.
+/// Adds the candidate to candidates_. Drops it if more than one of its dots is unproven, because then it
+/// cannot become a robot.
 void DetectRobots::keep(const PatternTable& patterns, const Candidate& candidate) {
   const int all = static_cast<int>(patterns.dots.size()) + 1;
   if (candidate.proven_dots + 1 < all || candidate.proven_dots < 3) return;
@@ -446,7 +452,7 @@ void DetectRobots::choose(const Params& params, const Frame& frame, const Scene&
       }
     }
     if (possible.count() != 1) continue;
-    // The plane of the other team's height would give another place.
+    // A candidate on the plane of the other team's height has a wrong position.
     if (candidate->height_mm != scene.height_of(team)) continue;
     const auto id = static_cast<int>(possible._Find_first());
     const PatternFit& fit = candidate->fit;
@@ -461,7 +467,7 @@ void DetectRobots::choose(const Params& params, const Frame& frame, const Scene&
                 candidate->confidence};
     if (taken[team_index].test(static_cast<std::size_t>(id))) {
       if (params.duplicates == Duplicates::kDrop) {
-        // One with an unproven dot may well be of another id.
+        // A robot with an unproven dot may have another id.
         const bool is_proven = candidate->proven_dots == static_cast<int>(sides) + 1;
         if (is_proven && robot.confidence >= params.min_confidence) out.second_robots.push_back(robot);
         continue;

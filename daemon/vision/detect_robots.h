@@ -25,11 +25,10 @@
 
 namespace sslv {
 
-/// Finds robots. Regions of the teams' and dots' colours say where to look; where exactly and what there is,
-/// is read from the image's own samples by fitting every dot (PatternFitter), all in field coordinates on
-/// the plane of the team's height. A robot is reported only when its id is proven: with all codes of a table
-/// in use, that takes every dot, or one less when the roster, the other robots or the memory leave one id
-/// only.
+/// Finds robots. Regions of the teams' and dots' colours give start positions, from which every dot is fitted
+/// to the image's own samples (PatternFitter), all in field coordinates on the plane of the team's height. A
+/// robot is reported only if its id is proven: if all codes of a table are in use, this requires the colours
+/// of all dots, or of all dots but one if the roster, the other robots or the memory leave only one id.
 class DetectRobots {
  public:
   enum class Duplicates { kDrop, kKeep };
@@ -44,7 +43,7 @@ class DetectRobots {
     Duplicates duplicates = Duplicates::kDrop;
     double memory_ms = 100;
     double rolling_shutter_ms = 0;
-    double blur_px = 0.55;
+    double blur_px = kUsualBlurPx;
     int max_work = 3000;
     static constexpr auto fields() {
       return std::tuple{
@@ -75,8 +74,9 @@ class DetectRobots {
     }
   };
 
-  /// `mask`: regions are without what it hides already; here it ends the memory of a robot that goes there.
-  /// Without a calibrated camera, or in an image without colours, the result is empty.
+  /// `mask` has already been applied to the regions. Here it prevents the search for a remembered robot that
+  /// has moved into the hidden part of the image. Without a calibrated camera, or in an image without
+  /// colours, the result is empty.
   void process(const Params& params, const Scene& scene, const PatternTable& patterns, const Lut& lut,
                const Mask& mask, const FrameInfo& info, const Image& image, const RegionList& regions,
                RobotList& robots) noexcept;
@@ -87,7 +87,7 @@ class DetectRobots {
   }
 
  private:
-  /// A region that may be a side dot, seen on the plane of a team's height.
+  /// A region that may be a side dot, projected to the plane of a team's height.
   struct Dot {
     double x_mm, y_mm;
     std::size_t region;
@@ -96,15 +96,15 @@ class DetectRobots {
   struct Candidate {
     PatternFit fit;
     double height_mm;
-    std::optional<Team> team;                         // proven by the centre dot
-    std::array<bool, PatternTable::kMaxDots> proven;  // side dots whose colour is
-    int proven_dots;                                  // of them, and the centre
+    std::optional<Team> team;                         // the team, if the centre dot proves it
+    std::array<bool, PatternTable::kMaxDots> proven;  // side dots with a proven colour
+    int proven_dots;                                  // number of proven dots, including the centre dot
     double confidence;
   };
-  /// A place and heading to try.
+  /// A pose to try.
   struct Start {
     PatternPose pose;
-    int matched;  // side dots that regions lie at
+    int matched;  // number of side dots with a region at their place
   };
   using Frame = PatternFitter::Frame;
 
@@ -122,29 +122,29 @@ class DetectRobots {
   double work_done() const { return fitter_.work() + work_; }
   bool time_left(const Params& params) const { return work_done() < params.max_work; }
 
-  /// A robot of the last images where the row that shows it should see it now.
+  /// Predicted pose of a remembered robot when the row that shows it is exposed.
   struct Expected {
     PatternPose pose;
-    Eigen::Vector2d mm_per_row;  // how much further it is in each row than in the one above
+    Eigen::Vector2d mm_per_row;  // motion from each row to the next
   };
   Expected expected_in_picture(const Frame& frame, const Scene& scene, const RobotMemory::Entry& entry,
                                double now_s) const;
-  /// How much further what is there moves from row to row.
+  /// Motion (mm per row) of the remembered robot at this pose; 0 if no robot is remembered there.
   Eigen::Vector2d mm_per_row_at(const PatternPose& pose) const;
 
-  /// Fits the pattern and judges it.
+  /// Fits the pattern and rates it.
   Candidate examine(const Params& params, const Frame& frame, const PatternPose& start, double height_mm,
                     int max_passes);
   void keep(const PatternTable& patterns, const Candidate& candidate);
   void choose(const Params& params, const Frame& frame, const Scene& scene, RobotList& robots);
 
   PatternFitter fitter_;
-  double work_ = 0;  // besides that of the fitter, in the same measure
+  double work_ = 0;  // work done outside fitter_, in the fitter's unit
   RobotMemory memory_;
-  RowTimes rows_;                        // of this image
-  std::vector<Expected> expected_;       // in this image, for each entry of the memory
-  std::vector<Dot> dots_;                // by x
-  std::vector<std::uint8_t> explained_;  // of each region: a robot found already has it as a side dot
+  RowTimes rows_;                        // row times of this image
+  std::vector<Expected> expected_;       // poses in this image, for each entry of memory_
+  std::vector<Dot> dots_;                // sorted by x
+  std::vector<std::uint8_t> explained_;  // for each region: 1 if a found robot has this side dot
   std::vector<Candidate> candidates_;
   std::vector<const Candidate*> order_, chosen_;
 };

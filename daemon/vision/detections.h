@@ -8,8 +8,8 @@
 
 namespace sslv {
 
-/// How sure a place is, as the fit to the image says: without what the calibration is off. Zeros: not known.
-/// It stays inside the process; the league's packet has no room for it.
+/// Covariance of a position, from the fit to the image, without calibration errors. Zeros: unknown. Not
+/// published, because the league's packet has no field for it.
 struct PlaceCov {
   double xx_mm2 = 0, xy_mm2 = 0, yy_mm2 = 0;
 };
@@ -26,24 +26,26 @@ struct Robot {
   double orientation_sigma_rad = 0;  // 0: not known
 };
 
-/// A ball on the field; its position is that of its centre, one radius above the floor.
+/// A ball on the field; the position is the ball's centre, one radius above the floor.
 struct Ball {
   double x_mm, y_mm;
   double pixel_x, pixel_y;
   std::uint32_t area_px;
   double confidence;  // 0 .. 1
   PlaceCov place_cov{};
-  /// The radius that fits best, on the plane of its centre: a ball in the air looks larger. Sigma 0: not
+  /// The radius that fits best if the ball lies on the floor: a ball in the air looks larger. Sigma 0: not
   /// known.
   double radius_mm = 0, radius_sigma_mm = 0;
 };
 
-/// Both sorted by falling confidence. Distinct types, so that each is a part of a frame by itself.
+/// Both lists are sorted by falling confidence. They are distinct types, so that each is a separate part of a
+/// frame.
 struct RobotList {
   std::vector<Robot> robots;
-  bool capped = false;                 // there was more to look at than the time allows: the frame is flagged
-  std::vector<Robot> second_robots{};  // left out, because each has the id of one of `robots`
+  bool capped = false;                 // the search reached its limit of work: the frame is flagged
+  std::vector<Robot> second_robots{};  // left out of `robots`, which already has their ids
 };
+/// See RobotList.
 struct BallList {
   std::vector<Ball> balls;
   bool capped = false;

@@ -60,7 +60,7 @@ Json regions_json(const RegionList& list, const LabelSet& labels) {
     boxes.push_back({region.label, region.left, region.top, region.right - region.left + 1,
                      region.bottom - region.top + 1, region.area_px});
   }
-  Json names = Json::array();  // by value
+  Json names = Json::array();  // indexed by the label's value
   for (std::size_t value = 0; value <= labels.all().back().value; ++value)
     names.push_back(labels.name(static_cast<Label>(value)));
   return {{"labels", std::move(names)}, {"boxes", std::move(boxes)}, {"total", list.regions.size()}};

@@ -13,12 +13,12 @@ namespace sslv {
 /// image.
 Json detections_json(const RobotList& robots, const BallList& balls);
 
-/// A line of a truth file that nobody has checked yet, from what was found in an image of this size: the same
-/// without confidence and area, with the "number" of each mark, "by": "detector", and "checked": false.
+/// An unchecked line of a truth file from the detections in an image of this size: like detections_json(),
+/// but without confidence and area, with the "number" of each mark, "by": "detector", and "checked": false.
 Json truth_draft_json(const std::string& name, int width_px, int height_px, const RobotList& robots,
                       const BallList& balls);
 
-/// The largest regions as docs/openapi.json's PreviewRegions has them.
+/// The largest regions, as PreviewRegions in docs/openapi.json.
 Json regions_json(const RegionList& regions, const LabelSet& labels);
 
 }  // namespace sslv

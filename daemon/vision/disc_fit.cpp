@@ -11,18 +11,18 @@
 namespace sslv {
 namespace {
 
-/// A noise variance below this is that of rounding and of what the model leaves out.
+/// Minimum noise variance: rounding and effects outside the model.
 constexpr double kMinVariance = 0.5;
-/// Samples, and covered ones of them, without which a plane says nothing.
+/// A plane with fewer samples, or with fewer samples covered by the disc, is not used.
 constexpr double kMinSamples = 3, kMinCovered = 0.25;
 
-/// What one plane says besides the centre.
+/// Results of fitting one plane, except the centre.
 struct PlaneFit {
   double contrast = 0, ground = 0, variance = 1, explained = 0, total = 0;
 };
 
-/// Contrast and ground of one plane by least squares; what they say about the centre is added to `out`.
-/// Nothing when there are too few samples of disc or ground.
+/// Fits contrast and ground of one plane by least squares and adds its information about the centre to `out`.
+/// Returns false if there are too few samples of the disc or the ground.
 bool fit_plane(const DiscMeasure::Plane& s, PlaneFit& fit, DiscFit::Plane& plane, DiscFit& out) {
   const double det = s.tt * s.n - s.t * s.t;
   if (s.n < kMinSamples || s.tt < kMinCovered || det < 1e-2 * s.n) return false;
@@ -88,7 +88,7 @@ DiscFit fit_disc(const DiscMeasure& measure) noexcept {
 std::array<double, 3> common_ground(std::span<const DiscMeasure> discs) noexcept {
   std::array<double, 3> out{};
   for (std::size_t p = 0; p < 3; ++p) {
-    // Least squares with a contrast for each disc, eliminated, and one ground.
+    // Least squares with one common ground and a contrast for each disc; the contrasts are eliminated.
     double sum = 0, weight = 0;
     for (const DiscMeasure& disc : discs) {
       const DiscMeasure::Plane& s = disc.planes[p];

@@ -9,7 +9,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "vision/disc_kernel.cpp"
-// As for segment_kernel.cpp.
+// For the reasons see segment_kernel.cpp.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #include <hwy/foreach_target.h>
 // After foreach_target.h:
@@ -26,10 +26,10 @@ using Floats = hn::CappedTag<float, PlaneSamples::kPad>;
 using Vector = hn::Vec<Floats>;
 constexpr float kBeyond = 5e4F;  // px; images have at most 16384
 
-// Every CPU rounds the same numbers in the same way, so that a clip gives the same robots and balls on each:
-// a fit that ends, or a sample that is left out, a hair sooner would be seen in the place. So nothing is
-// fused (the file is compiled without contraction, too), nothing is estimated, and sums do not depend on how
-// many lanes a vector has.
+// All CPUs give bit-identical results, so that a clip gives the same robots and balls on each of them:
+// otherwise a fit might end earlier or other samples might be left out, which would change the position.
+// Therefore no operations are fused (the file is also compiled without contraction), no operation is an
+// approximation, and sums do not depend on the number of lanes.
 HWY_INLINE Vector PlusProduct(Vector a, Vector b, Vector c) {
   return hn::Add(hn::Mul(a, b), c);
 }
@@ -40,7 +40,7 @@ HWY_INLINE Vector InverseSqrt(Vector x) {
   return hn::Div(hn::Set(Floats(), 1), hn::Sqrt(x));
 }
 
-/// Of all lanes: each with the one half as many further on, until one is left.
+/// Sum of all lanes: adds the upper half of the lanes to the lower half until one lane is left.
 #if HWY_TARGET == HWY_SCALAR
 HWY_INLINE float TotalOf(Floats /*d*/, Vector v) {
   return hn::GetLane(v);
@@ -58,8 +58,8 @@ HWY_INLINE float TotalOf(D d, hn::Vec<D> v) {
 }
 #endif
 
-/// A sum over samples in kPad parts, however many lanes a vector has: part i is of samples i, i + kPad and so
-/// on. In the end the parts are added.
+/// A sum over samples in kPad parts, whatever the number of lanes: part i sums the samples i, i + kPad and so
+/// on. Total() adds the parts.
 class Sum {
  public:
   HWY_INLINE Sum() {
@@ -83,9 +83,10 @@ class Sum {
   Vector part_[kParts];
 };
 
-/// Values of the grid's next samples, one in each lane, for all planes. Reads whole vectors from `bytes`, the
-/// first sample's group of bytes. (Gather instructions would do the same, but are slow on CPUs whose
-/// microcode was fixed against leaks.) kDeep: what lies `to_low_bits` behind belongs to it.
+/// Loads the values of the grid's next samples, one in each lane, for all planes. Reads whole vectors from
+/// `bytes`, where the first sample begins. (Gather instructions would do the same, but are slow on CPUs with
+/// microcode fixes against data leaks.) kDeep: also reads the low bits, which begin `to_low_bits` bytes
+/// later.
 template <int kPlanes, bool kDeep>
 HWY_INLINE void LoadValues(const SampleGrid& grid, const std::uint8_t* HWY_RESTRICT bytes,
                            std::ptrdiff_t to_low_bits, std::size_t at, PlaneSamples& samples) {
@@ -129,8 +130,9 @@ void ReadPlanes(const KernelPatch& patch, float x, float y, float radius, const 
   const Floats d;
   const auto lanes = static_cast<int>(hn::Lanes(d));
   int count = samples.count;
-  // The circle is an ellipse of pixels: uu du^2 + 2 uv du dv + vv dv^2 = radius^2. First order will do: half
-  // a pixel is added on all sides, and what is too far out is left to the sums.
+  // The circle is an ellipse in the image: uu du^2 + 2 uv du dv + vv dv^2 = radius^2. A first-order
+  // approximation is sufficient, because half a pixel is added on all sides and the sums ignore samples that
+  // are too far out.
   const float uu = patch.xu * patch.xu + patch.yu * patch.yu, uv = patch.xu * patch.xv + patch.yu * patch.yv;
   const float det = patch.xu * patch.yv - patch.xv * patch.yu;
   const float chord2 = radius * radius / uu;
@@ -146,13 +148,13 @@ void ReadPlanes(const KernelPatch& patch, float x, float y, float radius, const 
   const float top = (middle_v - static_cast<float>(grid.first_y)) * per_y;
   const int row_begin = std::max(0, up(top - half_height * per_y));
   const int row_end = std::min(rows, up(top + half_height * per_y));
-  // A disc for which there is no room is looked at in every n-th row.
+  // If PlaneSamples cannot hold all samples of a disc, only every n-th row is read.
   const float most = 4 * half_height * std::sqrt(chord2) * per_x * per_y;
   const int row_step = 1 + static_cast<int>(2 * most / PlaneSamples::kMax);
 
-  constexpr int kPixels = 512;  // of a row at once
-  // As many vectors for every row: loops of changing length cost more than the samples read for nothing,
-  // which the next row overwrites.
+  constexpr int kPixels = 512;  // maximum number of samples in a row
+  // Every row reads the same number of vectors: loops of varying length cost more than surplus samples, which
+  // the next row overwrites.
   const int widest = std::min(kPixels, up((2 * std::sqrt(chord2) + 1) * per_x) + 1);
   const int vectors = (widest + lanes - 1) / lanes;
   const int most_of_a_row = (widest + PlaneSamples::kPad - 1) / PlaneSamples::kPad * PlaneSamples::kPad;
@@ -162,13 +164,13 @@ void ReadPlanes(const KernelPatch& patch, float x, float y, float radius, const 
   const Vector ramp_u = hn::Mul(hn::Iota(d, 0), hn::Set(d, static_cast<float>(grid.step_x)));
   const std::ptrdiff_t row_bytes = std::ptrdiff_t{image.width} * bytes_per_pixel(image.format);
   const std::uint8_t* const image_end = image.row(image.height - 1) + row_bytes;
-  // Where rows begin and end, for as many of them at once as a vector has lanes.
+  // Begin and end of rows, one row per lane.
   const hn::RebindToSigned<Floats> di;
   alignas(64) std::int32_t begins[PlaneSamples::kPad], ends[PlaneSamples::kPad];
-  const Vector rows_apart = hn::Set(d, static_cast<float>(row_step * grid.step_y));
+  const Vector sandboxed_rows = hn::Set(d, static_cast<float>(row_step * grid.step_y));
   const auto find_spans = [&](int row) {
     const Vector first = hn::Set(d, static_cast<float>(grid.first_y + row * grid.step_y));
-    const Vector dv = hn::Sub(PlusProduct(hn::Iota(d, 0), rows_apart, first), hn::Set(d, middle_v));
+    const Vector dv = hn::Sub(PlusProduct(hn::Iota(d, 0), sandboxed_rows, first), hn::Set(d, middle_v));
     const Vector half2 = MinusProduct(hn::Mul(dv, dv), hn::Set(d, narrowing), hn::Set(d, chord2));
     const Vector half = hn::Add(hn::Sqrt(hn::Max(half2, hn::Zero(d))), hn::Set(d, 0.5F));
     const Vector middle = MinusProduct(hn::Set(d, slant), dv, hn::Set(d, middle_u - first_x));
@@ -216,7 +218,7 @@ void ReadPlanes(const KernelPatch& patch, float x, float y, float radius, const 
   }
   samples.planes = kPlanes;
   samples.count = count;
-  // What fills the last vector is told by its place, beyond all images.
+  // The samples that fill the last vector are marked by a position beyond all images.
   hn::StoreU(hn::Set(d, 2 * kBeyond), d, samples.u.data() + count);
   hn::StoreU(hn::Zero(d), d, samples.v.data() + count);
   for (std::size_t p = 0; p < kPlanes; ++p) hn::StoreU(hn::Zero(d), d, samples.value[p].data() + count);
@@ -251,8 +253,8 @@ struct PatchVectors {
   }
 };
 
-/// What an edge covers of samples: the integral of the triweight kernel (35/32)(1 - z^2)^3, which is near a
-/// Gaussian of sigma 1/3 but exactly flat beyond 1; `z` is cut to -1 .. 1.
+/// Share of a sample that an edge covers: the integral of the triweight kernel (35/32)(1 - z^2)^3, which is
+/// near a Gaussian of sigma 1/3 but exactly flat beyond 1; `z` is clamped to -1 .. 1.
 HWY_INLINE Vector Covered(Vector z, Vector z2) {
   const Floats d;
   const auto all = [&](float value) { return hn::Set(d, value); };
@@ -305,7 +307,7 @@ DiscSums SumDiscPlanes(const DiscTemplate& disc, const PlaneSamples& samples) {
     const Vector nx = hn::Mul(rx, inverse_r), ny = hn::Mul(ry, inverse_r);
     Vector edge = even_radius, inverse_w = even_inverse_w;
     if constexpr (kWide) {
-      // Millimetres a pixel measures sideways across the edge.
+      // Millimetres across the edge for one pixel sideways.
       const Vector across = PlusProduct(patch.xu, nx, hn::Mul(patch.yu, ny));
       const Vector s2 = PlusProduct(wide, hn::Mul(across, across), round);
       edge = MinusProduct(s2, half_curve, radius);

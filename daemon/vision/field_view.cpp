@@ -10,7 +10,7 @@ namespace {
 
 using Interval = Mask::Interval;
 
-/// Whether a pixel shows ground of the field, or what stands on it up to a robot's height.
+/// Whether a pixel shows the field's ground, or objects on it up to a robot's height.
 class SeesField {
  public:
   SeesField(const Scene& scene, double beyond_boundary_mm)
@@ -18,7 +18,7 @@ class SeesField {
         half_length_mm_(scene.field.field_length / 2.0 + scene.field.boundary_width_goal_line +
                         beyond_boundary_mm),
         half_width_mm_(scene.field.field_width / 2.0 + scene.field.boundary_width + beyond_boundary_mm) {
-    // The rules' height, since the teams may not be known yet.
+    // The maximum height in the rules, because the teams may not be known yet.
     constexpr double kTallestMm = 150;
     height_mm_ = std::max({kTallestMm, scene.robot_height_mm[0], scene.robot_height_mm[1]});
   }

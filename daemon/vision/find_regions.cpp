@@ -7,7 +7,7 @@
 namespace sslv {
 namespace {
 
-// A sort key holds label, area and place in 8, 28 and 28 bits: no image has more pixels than that.
+// A sort key holds label, area and place in 8, 28 and 28 bits: no image has more than 2^28 pixels.
 constexpr int kPlaceBits = 28;
 constexpr std::uint64_t kPlace = (std::uint64_t{1} << kPlaceBits) - 1, kMaxArea = kPlace;
 
@@ -21,7 +21,7 @@ std::uint32_t FindRegions::root_of(std::uint32_t region) {
   return region;
 }
 
-/// Both are roots.
+/// Joins two roots and returns their common root.
 std::uint32_t FindRegions::join(std::uint32_t a, std::uint32_t b) {
   if (a == b) return a;
   if (b < a) std::swap(a, b);
@@ -38,19 +38,19 @@ std::uint32_t FindRegions::join(std::uint32_t a, std::uint32_t b) {
   return a;
 }
 
-/// Cells belong together when they are in the same place of neighbouring rows, give or take `reach`.
+/// Joins cells of neighbouring rows if their columns differ by at most `reach`.
 void FindRegions::connect(const RunList& in, int reach) {
   const std::vector<Run>& runs = in.runs;
   const auto count = static_cast<std::uint32_t>(runs.size());
   constexpr std::uint32_t kNone = 0xFFFF'FFFF;
-  // So that no later image needs more memory.
+  // Reserved, so that no later image needs more memory.
   growing_.reserve(runs.capacity());
   region_of_.reserve(runs.capacity());
   keys_.reserve(runs.capacity());
   sorted_keys_.reserve(runs.capacity());
   growing_.clear();
   region_of_.resize(count);
-  std::uint32_t above = 0;  // walks the runs of the previous row beside those of the present one
+  std::uint32_t above = 0;  // first run of the previous row that may touch the current one
   for (std::uint32_t i = 0; i < count; ++i) {
     const Run run = runs[i];
     while (above < i && (runs[above].y + 1 < run.y ||
@@ -85,8 +85,9 @@ void FindRegions::connect(const RunList& in, int reach) {
   }
 }
 
-/// By radix, byte by byte from the lowest up, once there are too many for std::sort: speckle makes thousands
-/// of regions. The keys come in the order of their places, which need no sorting.
+/// Sorts keys_. Uses a radix sort, beginning with the lowest byte, if there are too many keys for std::sort:
+/// speckle makes thousands of regions. The keys arrive in the order of their indices, so the bits of the
+/// indices need no sorting.
 void FindRegions::sort_keys() {
   constexpr std::size_t kFew = 256, kDigits = 256;
   if (keys_.size() <= kFew) {
@@ -120,7 +121,7 @@ void FindRegions::process(const Params& params, const RunList& in, RegionList& o
     keys_.push_back((kMaxArea - std::min<std::uint64_t>(kMaxArea, one.cells * cell * cell)) << kPlaceBits |
                     i);
   }
-  // Largest first; of equal ones, the first in reading order.
+  // Largest regions first; regions of equal area in reading order.
   out.capped = keys_.size() > max_regions;
   if (out.capped) {
     const auto last = keys_.begin() + params.max_regions;

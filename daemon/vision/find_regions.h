@@ -38,12 +38,12 @@ class FindRegions {
   void process(const Params& params, const RunList& runs, RegionList& regions) noexcept;
 
  private:
-  /// A region as it grows; of two that turn out to be one, the earlier takes the other in. Coordinates in
-  /// cells.
+  /// A growing region, coordinates in cells. If two regions turn out to be connected, the earlier region
+  /// absorbs the later region.
   struct Growing {
-    std::uint32_t parent;  // itself, or the region that took it in
+    std::uint32_t parent;  // itself, or the region that absorbed it
     std::uint32_t first_run;
-    std::uint64_t x, y;  // sums over the cells; x: twice that, so that it stays whole
+    std::uint64_t x, y;  // sums over the cells; x: doubled, so that it is an integer
     std::uint32_t cells;
     std::uint16_t left, top, right, bottom;  // box, inclusive
   };
@@ -52,9 +52,9 @@ class FindRegions {
   std::uint32_t root_of(std::uint32_t region);
   std::uint32_t join(std::uint32_t a, std::uint32_t b);
 
-  std::vector<Growing> growing_;          // in the order of their first runs
-  std::vector<std::uint32_t> region_of_;  // for each run, a region that is or was taken in by its own
-  // What sorts, and the region's place in growing_:
+  std::vector<Growing> growing_;          // ordered by their first runs
+  std::vector<std::uint32_t> region_of_;  // for each run: its region, or a region absorbed by it
+  // Sort keys, each with the region's index in growing_:
   std::vector<std::uint64_t> keys_, sorted_keys_;
 };
 

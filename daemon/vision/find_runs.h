@@ -10,7 +10,8 @@
 
 namespace sslv {
 
-/// Run-length encodes the labelled image; clear cells make no runs, nor do labels that flood (FloodCut).
+/// Run-length encodes the labelled image; makes no runs of clear cells and of labels that flood the image
+/// (FloodCut).
 class FindRuns {
  public:
   struct Params {

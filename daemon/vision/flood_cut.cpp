@@ -19,8 +19,8 @@ int blocks_in(int cells) {
 }  // namespace
 
 std::size_t FloodCut::room(int width, int rows, std::size_t pending) {
-  // What note() leaves in a row of blocks: what is not cut, and runs of cut labels that reach into another
-  // block, one for each side of a cell that blocks share.
+  // Maximum number of runs that note() leaves in a row of blocks: runs that are not cut, and runs of cut
+  // labels that extend into another block, at most one for each row of cells at the border of two blocks.
   const int strip = blocks_in(width) * (kMaxOfAll + kBlockCells);
   return static_cast<std::size_t>(blocks_in(rows) * strip + width) + kNoteAfter + pending;
 }
@@ -37,7 +37,7 @@ void FloodCut::begin(int width, int height) {
   whole_.assign(static_cast<std::size_t>(words_ * blocks_down_ + 1), 0);
 }
 
-/// Tells whether a label is cut from a block because of this run.
+/// Counts a run. Returns whether it causes a label to be cut from a block.
 bool FloodCut::count(const Run& run) {
   bool cuts = false;
   const std::size_t first = block_of(run);
@@ -65,7 +65,7 @@ bool FloodCut::count(const Run& run) {
   return cuts;
 }
 
-/// Those that reach into another block stay. Tells the end of what is left.
+/// Drops cut runs, except runs that extend into another block. Returns the end of the remaining runs.
 std::size_t FloodCut::drop_cut(Run* runs, std::size_t begin, std::size_t end) const {
   Run* left = std::remove_if(runs + begin, runs + end, [this](const Run& run) {
     return is_cut(block_of(run), run.label) && is_in_one_block(run);
@@ -74,7 +74,7 @@ std::size_t FloodCut::drop_cut(Run* runs, std::size_t begin, std::size_t end) co
 }
 
 void FloodCut::note(Band& band, bool ends_strip) noexcept {
-  // So few are no flood, whatever block they are in, and mostly they are few.
+  // Usually there are so few runs that no label floods any block; then the runs are not counted.
   if (!band.is_counted && band.count - band.strip > static_cast<std::size_t>(kMaxNoise)) {
     const auto row = static_cast<std::size_t>(band.runs[band.strip].y / kBlockCells);
     const auto across = static_cast<std::size_t>(blocks_across_);
@@ -95,13 +95,13 @@ void FloodCut::note(Band& band, bool ends_strip) noexcept {
   band.is_counted = false;
 }
 
-/// Appends what is not cut. False: there are more than max_runs.
+/// Appends the runs that are not cut. Returns false if there are more than max_runs.
 bool FloodCut::append(const Band& band, std::size_t max_runs, std::vector<Run>& out) const {
   for (std::size_t i = 0; i < band.count; ++i) {
     const Run run = band.runs[i];
     Run part = run;
     std::size_t block = block_of(run);
-    // Neighbouring blocks that it stays in make one run.
+    // The parts of a run in neighbouring blocks from which its label is not cut stay one run.
     for (int x = run.x_begin; x < run.x_end; ++block) {
       const int end = std::min<int>(run.x_end, (x / kBlockCells + 1) * kBlockCells);
       if (is_cut(block, run.label)) {
@@ -138,7 +138,7 @@ void FloodCut::cut_fullest(std::span<const Band> bands, std::size_t max_runs) {
   }
   std::fill(is_counted_.begin(), is_counted_.end(), std::uint8_t{1});
 
-  // Runs by how many of them a label has in a block.
+  // runs[n]: number of runs in all pairs of a block and a label with n runs.
   std::array<std::size_t, kMaxOfLabel + 1> runs{};
   const auto for_each = [&](auto what) {
     for (std::size_t block = 0; block < counts_.size(); ++block) {

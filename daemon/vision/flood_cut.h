@@ -13,53 +13,56 @@
 
 namespace sslv {
 
-/// Takes from an image's runs what floods, so that the rest of the image is found, in bounded time.
+/// Removes the runs of labels that flood an image (that have too many runs), so that the rest of the image is
+/// searched in bounded time.
 ///
-/// The image is looked at in blocks of 64 x 64 cells. In each of them a label may have 768 runs, as far as
-/// they lie in the block. Robots that stand as densely as the rules allow have some 100; what is beyond that
-/// is speckle, as of green in dim light, among which dots are still found. A label with more is cut from that
-/// block: its cells there count as clear. Where four labels or more have speckle (more than 240 runs
-/// together, of each no more than 64 counted), or all together have more than 1024 runs, nothing can be told
-/// from anything: all labels are cut. When what is left is still more than the cap of the whole image, the
-/// fullest pairs of block and label are cut until the rest fits.
+/// The image is divided into blocks of 64 x 64 cells. In each block a label may have 768 runs; a run that
+/// extends over several blocks counts in each of them. Robots that stand as close together as the rules allow
+/// have about 100 runs; more runs are speckle, for example of green in dim light, among which dots are still
+/// found. A label with more than 768 runs is cut from the block: its cells in the block count as clear. All
+/// labels are cut from a block if at least four labels have speckle (more than 240 runs together, counting at
+/// most 64 runs of each label) or if all labels together have more than 1024 runs: nothing can be
+/// distinguished in such a block. If the remaining runs still exceed the cap of the whole image, the pairs of
+/// a block and a label with the most runs are cut until the remaining runs fit.
 ///
-/// Which runs are cut depends only on the image's labels, not on the order of work: a thread that has
-/// found the runs of some rows may ask already then what will be cut in any case.
+/// The set of cut runs depends only on the image's labels, not on the order of processing. So a thread that
+/// has found the runs of some rows can already query the blocks that will be cut in any case.
 class FloodCut {
  public:
   static constexpr int kBlockCells = 64;
   static constexpr int kMaxOfLabel = 768, kMaxOfAll = 1024;  // runs in a block
-  static constexpr int kMaxCounted = 64, kMaxNoise = 240;    // of a label; of all as far as counted
+  static constexpr int kMaxCounted = 64, kMaxNoise = 240;    // counted runs per label; counted runs in total
 
-  /// Runs that were found in a band of rows, from the top down. A band begins and ends between blocks, or at
-  /// the image's edge.
+  /// Runs found in a band of rows, from the top down. A band begins and ends between blocks, or at the
+  /// image's edge.
   struct Band {
-    Run* runs;                // room(...) of them
-    std::size_t count = 0;    // of runs, in reading order
-    std::size_t noted = 0;    // of them known to the FloodCut
-    std::size_t strip = 0;    // where those of the newest row of blocks begin
-    bool is_counted = false;  // the runs of that row, block by block
+    Run* runs;                // array of room(...) runs
+    std::size_t count = 0;    // number of runs, in reading order
+    std::size_t noted = 0;    // number of runs known to the FloodCut
+    std::size_t strip = 0;    // index of the first run in the newest row of blocks
+    bool is_counted = false;  // whether the runs in the newest row of blocks are counted per block
   };
 
-  /// Runs that `rows` of an image can have, when note() is called after no more than kNoteAfter of them, and
-  /// those of one row and `pending` more.
+  /// Maximum number of runs in `rows` rows of cells of an image, if note() is called after at most kNoteAfter
+  /// new runs plus the runs of one row and `pending` more.
   static std::size_t room(int width, int rows, std::size_t pending);
   static constexpr std::size_t kNoteAfter = 1'024;
 
-  /// Before each image; sizes are in cells. Allocates for a larger image than any before.
+  /// Call before each image; sizes are in cells. Allocates only for a larger image than any before.
   void begin(int width, int height);
 
-  /// To be called after the last row of each row of blocks (`ends_strip`), and besides after kNoteAfter runs.
-  /// Drops runs that will be cut in any case. Different bands may be noted at the same time.
+  /// Call after the last row of each row of blocks (`ends_strip`), and also after kNoteAfter runs. Drops runs
+  /// that will be cut in any case. Different bands may be noted at the same time.
   void note(Band& band, bool ends_strip) noexcept;
 
-  /// One bit for each block of a row of blocks: whether all labels are cut there. 64 blocks a word; there is
-  /// one more word to read.
+  /// One bit for each block in a row of blocks, 64 blocks per word: set if all labels are cut from the block.
+  /// One word after the last may be read.
   const std::uint64_t* cut_whole(int row_of_blocks) const {
     return whole_.data() + static_cast<std::size_t>(row_of_blocks * words_);
   }
 
-  /// Writes what is left of the bands' runs, all of which have been noted, and what was cut.
+  /// Writes the remaining runs of the bands and the cut blocks to `out`. note() must have been called for all
+  /// runs.
   void finish(std::span<const Band> bands, std::size_t max_runs, RunList& out);
 
  private:
@@ -78,19 +81,19 @@ class FloodCut {
   void cut_fullest(std::span<const Band> bands, std::size_t max_runs);
   Flood describe(int cell_px) const;
 
-  int blocks_across_ = 0, blocks_down_ = 0, words_ = 0;  // words_: of whole_, for a row of blocks
-  // By block, row by row:
+  int blocks_across_ = 0, blocks_down_ = 0, words_ = 0;  // words_: words of whole_ per row of blocks
+  // For each block, row by row:
   std::vector<std::uint32_t> cut_;  // a bit for each label
   struct Sums {
     std::uint16_t all, counted;  // runs
   };
-  std::vector<Sums> sums_;                                           // of each block
-  std::vector<std::array<std::uint16_t, label::kMaxCount>> counts_;  // of runs, where they were counted
-  std::vector<std::uint8_t> is_counted_;                             // by row of blocks
+  std::vector<Sums> sums_;                                           // for each block
+  std::vector<std::array<std::uint16_t, label::kMaxCount>> counts_;  // numbers of runs, if counted
+  std::vector<std::uint8_t> is_counted_;                             // for each row of blocks
   std::vector<std::uint64_t> whole_;
 };
 
-/// "green floods the image between (0, 64) and (1279, 511) px", for people.
+/// Human-readable text: "green floods the image between (0, 64) and (1279, 511) px".
 std::string flood_text(const Flood& flood, std::string_view label_name);
 
 }  // namespace sslv

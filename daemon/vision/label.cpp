@@ -13,12 +13,12 @@ namespace sslv {
 namespace {
 
 constexpr std::size_t kLongestName = 32;
-/// What people see where a table has a label without a name.
+/// Display colour of labels without a name in a table.
 constexpr Rgb kNamelessColor{180, 92, 255};
-/// LabelSet::name() begins so for these.
+/// Prefix of LabelSet::name() for labels without a name.
 constexpr std::string_view kNameless = "label ";
 
-/// Plain text with no space at its ends.
+/// Whether the name is plain text without a space at either end.
 bool can_be_shown(std::string_view name) {
   return !name.empty() && name.front() != ' ' && name.back() != ' ' && is_plain_text(name);
 }

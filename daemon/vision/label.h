@@ -16,19 +16,19 @@
 namespace sslv {
 
 /// The class of colour a pixel belongs to: a LUT entry. Values are the same as in existing league LUT files;
-/// from label::kCount on they are an admin's own.
+/// values from label::kCount on are defined by the admin.
 using Label = std::uint8_t;
 
 namespace label {
 inline constexpr Label kClear = 0, kField = 1, kOrange = 2, kYellow = 3, kBlue = 4, kPink = 5, kCyan = 6,
                        kGreen = 7, kWhite = 8, kBlack = 9;
-/// Built-in ones.
+/// Number of built-in labels.
 inline constexpr std::size_t kCount = 10;
-/// Values there can be, own ones included.
+/// Number of possible values, including the admin's.
 inline constexpr std::size_t kMaxCount = 32;
 inline constexpr std::array<std::string_view, kCount> kNames{"clear", "field", "orange", "yellow", "blue",
                                                              "pink",  "cyan",  "green",  "white",  "black"};
-/// What people see for each label: no two alike, black darker than clear.
+/// Display colour of each label: no two alike, black darker than clear.
 inline constexpr std::array<Rgb, kCount> kDisplayColors{{
     {52, 54, 58},     // clear
     {40, 124, 70},    // field
@@ -43,7 +43,7 @@ inline constexpr std::array<Rgb, kCount> kDisplayColors{{
 }};
 }  // namespace label
 
-/// A label of the admin's own, as the settings have it.
+/// A label defined by the admin, as in the settings.
 struct OwnLabel {
   int value = static_cast<int>(label::kCount);
   std::string name;
@@ -59,34 +59,40 @@ struct OwnLabel {
   }
 };
 
+/// A label with its name and display colour.
 struct LabelInfo {
   Label value;
   std::string name;
-  Rgb color;  // for people
+  Rgb color;  // for display
 };
 
 /// "#rrggbb".
 std::string hex(Rgb color);
 
-/// The labels that have a name: the built-in ones and the admin's own.
+/// The labels that have a name: the built-in labels and the admin's labels.
 class LabelSet {
  public:
-  /// The built-in ones.
+  /// Only the built-in labels.
   LabelSet();
-  /// And those. Throws SettingsError, beginning with `path` (of the list) and an index: a value or name
-  /// twice, a name that cannot be shown, a colour that is none.
+  /// The built-in labels and `own`. Throws SettingsError, its message starting with `path` (of the list) and
+  /// an index, for a value or name that occurs twice, a value out of range, a name that cannot be shown, or
+  /// an invalid colour.
   LabelSet(const std::vector<OwnLabel>& own, const std::string& path);
 
+  /// LabelSet(), made once.
   static const LabelSet& built_in();
 
-  /// In the order of their values.
+  /// Sorted by value.
   const std::vector<LabelInfo>& all() const { return labels_; }
+  /// The label with this name.
   std::optional<Label> find(std::string_view name) const;
+  /// True if the label has a name.
   bool has(Label value) const;
-  /// For every value: "label 17" when it has no name.
+  /// Valid for every value: "label 17" if the label has no name.
   std::string name(Label value) const;
+  /// Display colour; valid for every value.
   Rgb color(Label value) const { return colors_[value % label::kMaxCount]; }
-  /// "clear, field, ...", for people.
+  /// Human-readable list: "clear, field, ...".
   std::string names() const;
 
  private:

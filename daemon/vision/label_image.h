@@ -11,7 +11,7 @@
 
 namespace sslv {
 
-/// docs/openapi.json's LabelPicture: every pixel's label by this table, run-length encoded.
+/// The label of every pixel by this table, run-length encoded as LabelPicture in docs/openapi.json.
 std::vector<std::uint8_t> label_image_bytes(const ImageView& image, const Lut& lut, const Mask& mask);
 std::vector<std::uint8_t> label_image_bytes(const LabelImage& labels);
 

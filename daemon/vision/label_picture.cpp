@@ -18,13 +18,13 @@ void fill(std::uint8_t* begin, const std::uint8_t* end, Rgb color) {
   }
 }
 
-/// The first of the labels that were cut, as a pattern that nothing else looks like.
+/// Draws the first cut label of each block, in a pattern that is not used for anything else.
 void draw_floods(const RunList& runs, std::uint8_t* picture, const LabelSet& labels) {
   constexpr int kBlock = FloodCut::kBlockCells;
   const int across = (runs.width + kBlock - 1) / kBlock;
   for (std::size_t i = 0; i < runs.cut.size(); ++i) {
     if (runs.cut[i] == 0) continue;
-    // Of blocks that were cut whole, "clear" would be the first.
+    // If all labels are cut from a block, the first label would be "clear".
     const std::uint32_t cut = runs.cut[i] & ~(1U << label::kClear);
     const Rgb color = labels.color(static_cast<Label>(std::countr_zero(cut)));
     const int left = static_cast<int>(i) % across * kBlock, top = static_cast<int>(i) / across * kBlock;

@@ -9,8 +9,9 @@
 
 namespace sslv {
 
-/// Draws runs for people: RGB24, one pixel for each cell, in the labels' display colours. Where a label was
-/// cut because it floods, every fourth pixel is in its colour. The image lies in `buffer`, which is reused.
+/// Draws runs for viewing: RGB24, one pixel for each cell, in the labels' display colours. In blocks from
+/// which a label was cut (FloodCut), every fourth pixel has the label's colour. The image lies in `buffer`,
+/// which is reused.
 ImageView draw_label_picture(const RunList& runs, std::vector<std::uint8_t>& buffer,
                              const LabelSet& labels = LabelSet::built_in());
 

@@ -22,12 +22,12 @@ namespace sslv {
 namespace {
 
 using ChromaMasks = std::array<std::uint32_t, std::tuple_size_v<decltype(LutTable::chroma)>>;
-using Cells = std::array<int, 2>;  // first and last of a channel
+using Cells = std::array<int, 2>;  // first and last cell of a channel
 
 constexpr int kBlockSide = 1 << LutTable::kBlockBits, kChromaSide = 1 << LutTable::kChromaBits;
-static_assert(label::kMaxCount <= 32);  // a bit each in a mask
+static_assert(label::kMaxCount <= 32);  // a mask has a bit for each label
 
-/// Coarser tables are spread out to 7 bits.
+/// Coarser tables are expanded to 7 bits.
 constexpr int kernel_bits(int color_bits) {
   return std::max(color_bits, LutTable::kBits);
 }
@@ -47,7 +47,7 @@ constexpr std::size_t place(int a, int b, int c, int side) {
   return static_cast<std::size_t>((a * side + b) * side + c);
 }
 
-/// The one label of a mask of labels; clear when there is none.
+/// The label in the mask; kMixed if there are several, clear if there is none.
 Label label_of(std::uint32_t mask) {
   if (mask == 0) return label::kClear;
   return std::has_single_bit(mask) ? static_cast<Label>(std::countr_zero(mask)) : LutTable::kMixed;
@@ -59,7 +59,7 @@ bool in_hue(const ColorClass& color, double u, double v) {
   return hue <= color.hue_deg[1];
 }
 
-/// Apart from its hue.
+/// Checks all but the hue.
 bool in_class(const ColorClass& color, int y, double chroma) {
   if (y < color.luma[0] || y > color.luma[1]) return false;
   const double saturation = 100 * chroma / std::max(1, y);
@@ -75,7 +75,7 @@ ColorTable read_table(const std::string& file, const std::string& path, const La
 
 // ---- the table over RGB
 
-/// Fills rows of `rgb` with the labels that `yuv` has for the middles of its cells.
+/// Fills each cell of `rgb` with the label that `yuv` has for the cell's middle.
 template <int kBits>
 void fill_rgb_lut(const LutTable& yuv, LutTable& rgb) {
   constexpr int kSide = 1 << kBits;
@@ -94,11 +94,12 @@ void fill_rgb_lut(const LutTable& yuv, LutTable& rgb) {
   }
 }
 
-/// Calls with r, g, b for every cell of an RGB table whose middle lies in the cell (y, u, v).
+/// Calls `call`(r, g, b) for every cell of an RGB table whose middle lies in the YUV cell (y, u, v).
 template <class Call>
 void for_rgb_cells(int y, int u, int v, int bits, const Call& call) {
   const int side = 1 << bits;
-  // Rounded values up to half a level off; 256 is stored as 255. The inverse is good to a hundredth.
+  // Rounding shifts values by up to half a level; 256 is stored as 255. The inverse is accurate to a
+  // hundredth of a level.
   const auto range = [&](int cell, int offset) {
     const int last = last_level(cell, bits);
     return std::array{first_level(cell, bits) - offset - 0.6, last - offset + (last == 255 ? 1.6 : 0.6)};
@@ -127,7 +128,7 @@ void for_rgb_cells(int y, int u, int v, int bits, const Call& call) {
 
 // ---- blocks
 
-/// The label of all cells of block (a, b, c).
+/// The common label of all cells of block (a, b, c), or kMixed.
 Label block_label(const LutTable& table, int a, int b, int c) {
   const int side = 1 << table.bits, cells = side / kBlockSide;
   const Label first = table.labels[place(a * cells, b * cells, c * cells, side)];
@@ -173,7 +174,7 @@ void summarise_blocks(LutTable& table) {
 
 // ---- chromas
 
-/// The label of the YUV chroma (a, b).
+/// The common label of the YUV chroma (a, b), or kMixed.
 Label yuv_chroma_label(const LutTable& table, int a, int b) {
   constexpr int kBlocks = kBlockSide / kChromaSide;
   const Label first = table.blocks[place(a * kBlocks, b * kBlocks, 0, kBlockSide)];
@@ -187,7 +188,8 @@ Label yuv_chroma_label(const LutTable& table, int a, int b) {
   return first;
 }
 
-/// The upper bits of (B or R + 255 - G + 1) / 2 that levels [low, high] reach with those of green.
+/// First and last RGB chroma, the upper bits of (B + 255 - G + 1) / 2 or (R + 255 - G + 1) / 2, for a range
+/// of levels of blue or red (`low`, `high`) and of green.
 Cells reached_chromas(int low, int high, int green_low, int green_high) {
   return {(low + 256 - green_high) / 2 * kChromaSide / 256, (high + 256 - green_low) / 2 * kChromaSide / 256};
 }
@@ -210,7 +212,8 @@ void summarise_rgb_chroma(LutTable& table) {
         const int red = r * cells, blue = b * cells;
         const Label block = table.blocks[place(r, b, g / cells, kBlockSide)];
         if (block != LutTable::kMixed) {
-          // With one green, any blue goes with any red: what they reach together is what each cell reaches.
+          // For one level of green, blue and red are independent, so the block's cells reach all pairs of
+          // these chromas.
           add(chromas(blue, blue + cells - 1, g), chromas(red, red + cells - 1, g), block);
           continue;
         }
@@ -226,14 +229,14 @@ void summarise_rgb_chroma(LutTable& table) {
   std::transform(masks.begin(), masks.end(), table.chroma.begin(), label_of);
 }
 
-/// The label of the RGB chroma (a, b), as summarise_rgb_chroma finds it.
+/// The label of the RGB chroma (a, b); same result as summarise_rgb_chroma().
 Label rgb_chroma_label(const LutTable& table, int a, int b) {
   const int side = 1 << table.bits, bits = table.bits;
-  // For each blue (or red), the greens with which it reaches the chroma.
+  // For each cell of blue (or red): the range of cells of green with which it reaches the chroma.
   const auto greens = [&](int chroma) {
     std::vector<Cells> out(static_cast<std::size_t>(side));
     for (int cell = 0; cell < side; ++cell) {
-      // level + 256 - green lies in the 16 values that give the chroma.
+      // level + 256 - green must be one of the 16 values that give the chroma.
       const int low = first_level(cell, bits) + 256 - (16 * chroma + 15);
       const int high = last_level(cell, bits) + 256 - 16 * chroma;
       out[static_cast<std::size_t>(cell)] =
@@ -257,17 +260,17 @@ Label rgb_chroma_label(const LutTable& table, int a, int b) {
   return label_of(mask);
 }
 
-// ---- shares
+// ---- chromaticities (shares of red, green and blue)
 
-/// What ChromaticitySums::squares counts in a brightness of one.
+/// Scale of ChromaticitySums::squares.
 constexpr std::int64_t kSquareUnit = 256;
 
-/// Every fourth level each way is enough for a mean.
+/// Every fourth level of a channel is enough for a mean.
 bool counts_for_chromaticity(int cell, int bits) {
   return middle(cell, bits) % 4 == 1;
 }
 
-/// Places to be looked at once, however often they are named.
+/// A set of indices, each listed once.
 class Places {
  public:
   explicit Places(std::size_t count) : seen_(count) {}
@@ -287,7 +290,7 @@ class Places {
 class Changes {
  public:
   explicit Changes(LutTable& table) : table_(table), blocks_(table.blocks.size()) {}
-  /// Tells whether the label is another than before.
+  /// Sets a cell's label. Returns whether this changes it.
   bool set(int a, int b, int c, Label label) {
     Label& here = table_.labels[place(a, b, c, 1 << table_.bits)];
     if (here == label) return false;
@@ -333,7 +336,7 @@ ColorTable checked(ColorTable table) {
   return table;
 }
 
-/// The same colours with more cells, each of them several times.
+/// The labels of the same table with more bits: each cell is repeated.
 std::vector<Label> spread_out(const ColorTable& table, int bits) {
   const int shift = bits - table.bits, side = 1 << bits;
   std::vector<Label> out(std::size_t{1} << (3 * bits));
@@ -376,7 +379,7 @@ void Lut::ChromaticitySums::add(int r, int g, int b, int times) {
     color[c] += times * levels[c];
     squares_here += levels[c] * levels[c];
   }
-  // Bright colours count more: the shares of dark ones are vague.
+  // Bright colours count more, because the chromaticity of dark colours is uncertain.
   squares += times * (squares_here * kSquareUnit / (levels[0] + levels[1] + levels[2]));
 }
 
@@ -452,7 +455,7 @@ Lut Lut::with_changes(std::span<const CellRun> changed, const Prints& prints) co
     }
     cells += run.length;
   }
-  // Each costs as much as a hundred cells of a whole table.
+  // A changed cell costs as much as a hundred cells of a new table.
   if (cells << (3 * shift) > yuv_.labels.size() / 64) {
     ColorTable table = color_table();
     table.prints = prints;
@@ -490,7 +493,7 @@ Lut Lut::with_changes(std::span<const CellRun> changed, const Prints& prints) co
         place(0, u >> (bits - LutTable::kChromaBits), v >> (bits - LutTable::kChromaBits), kChromaSide));
     for_rgb_cells(y, u, v, bits, [&](int r, int g, int b) { set_rgb_cell(r, g, b, before, label); });
   };
-  const int copies = 1 << shift;  // of a cell, each way
+  const int copies = 1 << shift;  // copies of a cell, per channel
   for (const CellRun& run : changed) {
     for (std::uint32_t i = 0; i < run.length; ++i) {
       const auto cell = static_cast<int>(run.begin + i);

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::string_view kMagic1 = "SSLVLUT1", kMagic2 = "SSLVLUT2", kMagic3 = "SSLVLUT3";
 constexpr int kBits1 = 7;
-/// Of a run's length: 8 bits a channel make up to 2^24 cells.
+/// Highest shift in a run's length: 8 bits per channel make up to 2^24 cells.
 constexpr int kHighestShift = 21;
 
 bool begins_with(std::span<const std::uint8_t> bytes, std::string_view text) {
@@ -25,18 +25,18 @@ bool begins_with(std::span<const std::uint8_t> bytes, std::string_view text) {
 }
 
 template <class... Args>
-[[noreturn]] void refuse(const std::string& path, fmt::format_string<Args...> format, Args&&... args) {
+[[noreturn]] void refuse_table(const std::string& path, fmt::format_string<Args...> format, Args&&... args) {
   throw SettingsError(path + ": " + fmt::format(format, std::forward<Args>(args)...));
 }
 
-/// What is left of a file while it is read.
+/// Reads a file from its beginning to its end.
 class Reader {
  public:
   Reader(std::span<const std::uint8_t> bytes, const std::string& path) : left_(bytes), path_(path) {}
 
   std::uint8_t byte(std::string_view what) { return take(1, what)[0]; }
   std::span<const std::uint8_t> take(std::size_t count, std::string_view what) {
-    if (left_.size() < count) refuse(path_, "the file ends within {}: it is cut off", what);
+    if (left_.size() < count) refuse_table(path_, "the file ends within {}: it is cut off", what);
     const auto out = left_.first(count);
     left_ = left_.subspan(count);
     return out;
@@ -53,17 +53,18 @@ ColorTable decode_version_1(std::span<const std::uint8_t> bytes, const std::stri
   ColorTable table(kBits1);
   const std::size_t expected = kMagic1.size() + table.labels.size();
   if (bytes.size() != expected) {
-    refuse(path,
-           "has {} bytes; a .lut file that begins with \"{}\" has {} (and then one label for each of 128 x "
-           "128 x 128 colours)",
-           bytes.size(), kMagic1, expected);
+    refuse_table(
+        path,
+        "has {} bytes; a .lut file that begins with \"{}\" has {} (and then one label for each of 128 x "
+        "128 x 128 colours)",
+        bytes.size(), kMagic1, expected);
   }
   std::copy(bytes.begin() + kMagic1.size(), bytes.end(), table.labels.begin());
   std::array<bool, 256> occurs{};
   for (const Label label : table.labels) occurs[label] = true;
   for (std::size_t value = 0; value < occurs.size(); ++value) {
     if (occurs[value] && !labels.has(static_cast<Label>(value))) {
-      refuse(path, "holds label {}, which is none of {}", value, labels.names());
+      refuse_table(path, "holds label {}, which is none of {}", value, labels.names());
     }
   }
   return table;
@@ -75,7 +76,8 @@ Prints read_prints(Reader& reader, const OurLabels& ours, const std::string& pat
   Prints out;
   for (int left = reader.byte("its prints"); left > 0; --left) {
     const std::uint8_t value = reader.byte("its prints");
-    if (value >= ours.size() || !ours[value]) refuse(path, "has a print of label {} without its name", value);
+    if (value >= ours.size() || !ours[value])
+      refuse_table(path, "has a print of label {} without its name", value);
     const auto number = [&] {
       const auto bytes = reader.take(2, "its prints");
       return static_cast<std::uint16_t>(bytes[0] | bytes[1] << 8);
@@ -83,13 +85,14 @@ Prints read_prints(Reader& reader, const OurLabels& ours, const std::string& pat
     PrintColor print{};
     for (std::uint16_t& share : print.chromaticity) share = number();
     print.spread = number();
-    if (!is_print(print)) refuse(path, "has a print of label {} whose shares do not add up to 1", value);
+    if (!is_print(print))
+      refuse_table(path, "has a print of label {} whose shares do not add up to 1", value);
     out[*ours[value]] = print;
   }
   return out;
 }
 
-/// Of version 2 or 3.
+/// Decodes version 2 or 3.
 ColorTable decode_runs_file(std::span<const std::uint8_t> bytes, const std::string& path,
                             const LabelSet& labels) {
   Reader reader(bytes.subspan(kMagic2.size()), path);
@@ -100,12 +103,12 @@ ColorTable decode_runs_file(std::span<const std::uint8_t> bytes, const std::stri
     const auto bytes_of_name = reader.take(reader.byte("its labels"), "its labels");
     const std::string name(bytes_of_name.begin(), bytes_of_name.end());
     if (value >= ours.size()) {
-      refuse(path, "has a label {}; labels are 0 .. {}", value, label::kMaxCount - 1);
+      refuse_table(path, "has a label {}; labels are 0 .. {}", value, label::kMaxCount - 1);
     }
     const auto found = name.empty() ? std::optional(value) : labels.find(name);
     if (!found) {
-      refuse(path, "holds the label \"{}\", which is none of {}: add it to own_labels first", name,
-             labels.names());
+      refuse_table(path, "holds the label \"{}\", which is none of {}: add it to own_labels first", name,
+                   labels.names());
     }
     ours[value] = found;
   }
@@ -113,7 +116,7 @@ ColorTable decode_runs_file(std::span<const std::uint8_t> bytes, const std::stri
   if (begins_with(bytes, kMagic3)) prints = read_prints(reader, ours, path);
   ColorTable table = decode_runs(reader.left(), bits, path);
   for (Label& label : table.labels) {
-    if (!ours[label]) refuse(path, "holds label {} without its name", label);
+    if (!ours[label]) refuse_table(path, "holds label {} without its name", label);
     label = *ours[label];
   }
   table.prints = prints;
@@ -145,30 +148,31 @@ std::vector<std::uint8_t> encode_runs(const ColorTable& table) {
 
 ColorTable decode_runs(std::span<const std::uint8_t> runs, int bits, const std::string& path) {
   if (bits < ColorTable::kMinBits || bits > ColorTable::kMaxBits) {
-    refuse(path, "has {} bits a channel; expected {} .. {}", bits, ColorTable::kMinBits,
-           ColorTable::kMaxBits);
+    refuse_table(path, "has {} bits a channel; expected {} .. {}", bits, ColorTable::kMinBits,
+                 ColorTable::kMaxBits);
   }
   ColorTable table(bits);
   Reader reader(runs, path);
   for (std::size_t at = 0; at < table.labels.size();) {
     const Label label = reader.byte("its runs");
     if (label >= label::kMaxCount)
-      refuse(path, "has a label {}; labels are 0 .. {}", label, label::kMaxCount - 1);
+      refuse_table(path, "has a label {}; labels are 0 .. {}", label, label::kMaxCount - 1);
     std::size_t length = 0;
     std::size_t byte = 0x80;
     for (int shift = 0; (byte & 0x80) != 0; shift += 7) {
       byte = reader.byte("its runs");
       if (shift <= kHighestShift) length |= (byte & 0x7F) << shift;
       if (shift > kHighestShift || length > table.labels.size() - at) {
-        refuse(path, "has a run at cell {} that is longer than the table of {}", at, table.labels.size());
+        refuse_table(path, "has a run at cell {} that is longer than the table of {}", at,
+                     table.labels.size());
       }
     }
-    if (length == 0) refuse(path, "has an empty run at cell {}", at);
+    if (length == 0) refuse_table(path, "has an empty run at cell {}", at);
     std::fill_n(table.labels.begin() + static_cast<std::ptrdiff_t>(at), length, label);
     at += length;
   }
   if (!reader.left().empty()) {
-    refuse(path, "goes on for {} bytes after its last cell", reader.left().size());
+    refuse_table(path, "goes on for {} bytes after its last cell", reader.left().size());
   }
   return table;
 }
@@ -215,8 +219,8 @@ ColorTable decode_lut(std::span<const std::uint8_t> bytes, const std::string& pa
   if (begins_with(bytes, kMagic2) || begins_with(bytes, kMagic3))
     return decode_runs_file(bytes, path, labels);
   if (begins_with(bytes, kMagic1)) return decode_version_1(bytes, path, labels);
-  refuse(path, "does not begin with \"{}\", \"{}\" or \"{}\", so it is not a .lut file", kMagic3, kMagic2,
-         kMagic1);
+  refuse_table(path, "does not begin with \"{}\", \"{}\" or \"{}\", so it is not a .lut file", kMagic3,
+               kMagic2, kMagic1);
 }
 
 }  // namespace sslv

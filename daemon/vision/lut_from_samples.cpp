@@ -18,17 +18,18 @@ namespace {
 using Color = Eigen::Vector3f;  // red, green, blue; unlike Rgb it may lie outside the cube
 
 constexpr float kToleranceShare = 0.07F, kToleranceGrey = 1.5F;
-constexpr float kMinNoise = 4, kNoisePerSpread = 2;  // pixels are noisier than what a sample averages
+constexpr float kMinNoise = 4, kNoisePerSpread = 2;  // pixels are noisier than averaged samples
 constexpr float kNoisePerPixelNoise = 0.67F;
 constexpr float kLimit = 4;  // in tolerances
-/// Light that surfaces and prints may be seen in, beside that of their samples.
+/// Range of light for surfaces and prints, relative to their samples.
 constexpr float kSurfaceDarkest = 0.5F, kSurfaceBrightest = 1.45F, kColorBrightest = 1.6F;
-// Most of an image is background, so that wins when in doubt. Factors are on the distance in tolerances,
-// handicaps on its square.
+// Most of an image is background, so background wins in doubt. The distance in tolerances is multiplied by
+// the factor; the handicap is added to its square.
 constexpr float kBackgroundFactor = 0.85F, kColorHandicap = 0.5F, kMoreLightHandicap = 0.75F,
                 kGuessHandicap = 1, kEdgeHandicap = 0.2F;
 
-/// Shares of red, green and blue that prints of one maker differ by, and a ball from its shine.
+/// Differences in chromaticity (shares of red, green and blue): kSamePrint between prints of one maker,
+/// kShine between a ball and the highlight on it.
 constexpr float kSamePrint = 0.02F, kShine = 0.06F;
 
 float brightness(const Color& color) {
@@ -39,7 +40,7 @@ Color in_cube(const Color& color) {
   return color.cwiseMax(0).cwiseMin(255);
 }
 
-/// A colour in weak, middling and strong light.
+/// A colour in weak, medium and strong light.
 struct Curve {
   static constexpr std::size_t kKnots = 3;
   std::array<Color, kKnots> knots;
@@ -53,13 +54,13 @@ std::vector<Color> colors_of(std::span<const ColorSample> samples, Label label) 
   return colors;
 }
 
-/// Through at least one colour.
+/// The curve through one or more colours.
 Curve curve_through(std::vector<Color> colors) {
   std::sort(colors.begin(), colors.end(),
             [](const Color& a, const Color& b) { return brightness(a) < brightness(b); });
   Curve curve;
   for (std::size_t k = 0; k < Curve::kKnots; ++k) {
-    // Thirds; of fewer than three samples some count twice.
+    // Averages a third of the colours for each knot; if there are fewer than three, some count twice.
     const std::size_t n = colors.size(), begin = std::min(k * n / Curve::kKnots, n - 1);
     const std::size_t end = std::max((k + 1) * n / Curve::kKnots, begin + 1);
     Color sum = Color::Zero();
@@ -75,7 +76,8 @@ std::optional<Curve> curve_of(std::span<const ColorSample> samples, Label label)
   return curve_through(colors);
 }
 
-/// What a pixel sees that lies partly on the one and partly on the other. Shares above 1 lie beyond `b`.
+/// Colour of a pixel that lies partly on `a` and partly on `b`. With a share above 1, the colour lies beyond
+/// `b`.
 Curve blend(const Curve& a, const Curve& b, float share_of_b) {
   Curve out;
   for (std::size_t k = 0; k < Curve::kKnots; ++k) {
@@ -90,8 +92,8 @@ float squared_distance(const Color& color, const Color& from, const Color& to) {
   return (color - from - std::clamp(along, 0.0F, 1.0F) * step).squaredNorm();
 }
 
-/// How far samples lie off their label's curve (rms of one component across it): the noise of a sample, and
-/// what prints of one name differ by.
+/// Distance of the samples from their label's curve (rms of one component perpendicular to the curve). It
+/// comprises the noise of a sample and the differences between prints of one label.
 float spread_of(std::span<const ColorSample> samples) {
   float sum = 0, degrees_of_freedom = 0;
   for (std::size_t i = 0; i < label::kMaxCount; ++i) {
@@ -112,11 +114,11 @@ float spread_of(std::span<const ColorSample> samples) {
   return degrees_of_freedom > 0 ? std::sqrt(sum / degrees_of_freedom) : 0;
 }
 
-/// A straight part of what a label may look like.
+/// A line segment of the colours that a label may have.
 struct Piece {
   Color from, step;  // step: from one end to the other
   float tolerance_from, tolerance_step;
-  float factor, handicap;  // on the distance in tolerances, and on its square
+  float factor, handicap;  // factor of the distance in tolerances; addend to its square
   Label label;
 };
 
@@ -128,8 +130,8 @@ class Pieces {
     for (std::size_t k = 1; k < Curve::kKnots; ++k)
       add(curve.knots[k - 1], curve.knots[k], {1, kColorHandicap, label});
   }
-  /// From `low` to a colour that was seen. Where a channel was at its end, it may have been more, and then
-  /// the hue was another one.
+  /// Adds the piece from `low` to a colour of the samples. A clipped channel may have been brighter in
+  /// reality, which changes the hue: pieces for such hues are added as guesses.
   void add_in_less_light(const Color& dark, const Color& low, const Color& color, Label label) {
     const Kind kind{1, kColorHandicap, label};
     add(low, color, kind);
@@ -140,7 +142,7 @@ class Pieces {
       add(dark + 0.55F * (beyond / more - dark), beyond / more, {1, kGuessHandicap, label});
     }
   }
-  /// Channels reach their upper end one after the other, and then the hue changes.
+  /// Adds a colour in more light. Channels clip one after the other, which changes the hue.
   void add_in_more_light(const Color& color, float most, Label label) {
     constexpr float kStep = 1.15F;
     for (float light = 1; light < most; light *= kStep)
@@ -161,7 +163,7 @@ class Pieces {
   void add_background(const Color& from, const Color& to, Label label) {
     add(from, to, {kBackgroundFactor, 0, label});
   }
-  /// What lies between two surfaces; the surfaces themselves go first.
+  /// Adds the blends of two surfaces; the surfaces themselves have priority.
   void add_edge(const Color& from, const Color& to) {
     add(from, to, {kBackgroundFactor, kEdgeHandicap, label::kClear});
   }
@@ -178,7 +180,7 @@ class Pieces {
     list_.push_back({from, to - from, from_tolerance, tolerance(to) - from_tolerance, kind.factor,
                      kind.handicap, kind.label});
   }
-  /// The curve, with a piece added at either end.
+  /// Adds the curve and a piece at each of its ends.
   void add(const Color& low, const Curve& curve, const Color& high, const Kind& kind) {
     add(low, curve.knots.front(), kind);
     for (std::size_t k = 1; k < Curve::kKnots; ++k) add(curve.knots[k - 1], curve.knots[k], kind);
@@ -189,12 +191,12 @@ class Pieces {
   std::vector<Piece> list_;
 };
 
-/// Between shares of red, green and blue.
+/// Distance between the chromaticities (shares of red, green and blue) of two colours.
 float share_distance(const Color& a, const Color& b) {
   return (a / std::max(a.sum(), 1.0F) - b / std::max(b.sum(), 1.0F)).norm();
 }
 
-/// Brightest over darkest.
+/// Ratio of the brightest to the darkest knot.
 float light_range(const Curve& curve) {
   return brightness(curve.knots.back()) / std::max(brightness(curve.knots.front()), 1.0F);
 }
@@ -212,7 +214,7 @@ Pieces pieces_of(std::span<const ColorSample> samples, BackgroundLabels backgrou
     const auto label = static_cast<Label>(i);
     if (label == label::kField || label == label::kWhite || label == label::kBlack) continue;
     if (label == label::kClear) {
-      // These may be different things: no line leads from one to another.
+      // Samples of "clear" may be different objects, so no line connects them.
       for (const Color& color : colors_of(samples, label)) {
         out.add_background(kSurfaceDarkest * color, in_cube(kSurfaceBrightest * color), label);
       }
@@ -220,16 +222,16 @@ Pieces pieces_of(std::span<const ColorSample> samples, BackgroundLabels backgrou
     }
     const auto curve = curve_of(samples, label);
     if (!curve) continue;
-    // The carpet was seen in all lights, a print perhaps not: then its samples may be the brightest there
-    // are, or the darkest.
+    // The carpet was sampled in all light levels that occur, but a print perhaps only in the brightest or in
+    // the darkest light.
     const float unseen = std::max(1.0F, field_range / light_range(*curve));
     const Color dark = black ? black->knots.front() : Color::Zero();
     out.add_color(*curve, label);
     const float brightest = std::max(kColorBrightest, unseen);
     const bool shines = share_distance(curve->knots[1], curve->knots.back()) > kShine;
     for (const Color& knot : curve->knots) {
-      // Prints of one label differ from maker to maker: each has its own colour in less light and in more. A
-      // ball's shine is not its colour in more light.
+      // Prints of one label differ between makers: each print has its own colour in less light and in more
+      // light. The highlight on a ball is not its colour in more light.
       const bool is_darkest = &knot == &curve->knots.front(), is_brightest = &knot == &curve->knots.back();
       if (is_darkest || share_distance(knot, curve->knots.front()) > kSamePrint)
         out.add_in_less_light(dark, dark + 0.55F * (knot / unseen - dark), knot, label);
@@ -247,8 +249,8 @@ Pieces pieces_of(std::span<const ColorSample> samples, BackgroundLabels backgrou
     for (const float share : {0.25F, 0.5F, 0.75F}) {
       out.add_background(blend(*field, *white, share), label::kClear);
     }
-    // A sample from a line a pixel or two wide is itself a blend, so real white may lie beyond. It is a
-    // guess: colours that were seen go first.
+    // A sample from a line one or two pixels wide is a blend itself, so real white may lie beyond the sample.
+    // This is a guess: sampled colours have priority.
     out.add_guess(blend(*field, *white, 1.5F), named(label::kWhite));
   }
   const auto add_edges = [&](const std::optional<Curve>& beside_black) {
@@ -263,24 +265,24 @@ Pieces pieces_of(std::span<const ColorSample> samples, BackgroundLabels backgrou
   return out;
 }
 
-/// The table's cells are looked at in blocks of 4x4x4, so that only the pieces near a block are measured
-/// cell by cell.
+/// The table's cells are processed in blocks of 4x4x4, so that only the pieces near a block are compared cell
+/// by cell.
 constexpr int kBlockSide = 4, kCellLevels = 256 >> Lut::kBits;
 constexpr std::size_t kBlockCells = kBlockSide * kBlockSide * kBlockSide;
 
-/// Colours of a block's cells: those of its middle, and each cell's difference from it.
+/// Differences between the colours of a block's cells and the colour of the block's middle.
 struct Block {
   std::array<float, kBlockCells> r, g, b;
 };
 
-/// RGB for YUV without bounds: noise takes colours out of the cube.
+/// RGB of YUV without clamping: noise moves colours out of the cube.
 Color rgb_of(float y, float u, float v) {
   u -= 128;
   v -= 128;
   return {y + 1.402F * v, y - 0.344136F * u - 0.714136F * v, y + 1.772F * u};
 }
 
-/// The middle of a block or cell that is so many levels wide.
+/// Middle level of the block or cell with index `i`, which is `levels` wide.
 float middle(int i, int levels) {
   return static_cast<float>(i * levels) + static_cast<float>(levels - 1) / 2;
 }
@@ -315,8 +317,8 @@ Nearness nearness(const Piece& piece, const Color& color) {
           piece.tolerance_from + along * piece.tolerance_step};
 }
 
-/// Replaces what is nearer than the best so far. The loop has a fixed length and no branches, so that
-/// compilers use vector instructions.
+/// Updates the cells for which the piece is the nearest so far. The loop has a fixed length and no branches,
+/// so that compilers use vector instructions.
 void measure(const Piece& piece, const Color& center, const Block& offsets,
              std::array<float, kBlockCells>& best, std::array<std::int32_t, kBlockCells>& labels) {
   const Color start = center - piece.from;
@@ -350,11 +352,12 @@ ColorTable table_from_samples(std::span<const ColorSample> samples, BackgroundLa
   for (std::size_t i = 0; i < kBlockCells; ++i) {
     radius = std::max(radius, Color(offsets.r[i], offsets.g[i], offsets.b[i]).norm());
   }
-  // The nearest point of a piece moves no further than the colour does, and its tolerance less than this.
+  // Within a block, the nearest point of a piece moves no further than the colour does, and its tolerance
+  // changes by less than this.
   const float tolerance_change = kToleranceShare * radius;
 
   std::vector<Label> table(Lut::kEntries, label::kClear);
-  std::vector<std::pair<float, const Piece*>> near;  // the least squared distance that a cell may have
+  std::vector<std::pair<float, const Piece*>> near;  // least squared distance that a cell may have; piece
   std::array<float, kBlockCells> best{};
   std::array<std::int32_t, kBlockCells> labels{};
   constexpr int kBlocks = (1 << Lut::kBits) / kBlockSide, kLevels = kBlockSide * kCellLevels;

@@ -9,39 +9,41 @@
 
 namespace sslv {
 
-/// A colour that somebody pointed at in an image, best averaged over a few pixels. The label says what was
-/// there: a print's or the ball's colour, or what is to be told apart from them: field, white (a line), black
-/// (a robot's top), clear (anything else to be left out).
+/// A colour that a person selected in an image, preferably averaged over a few pixels. The label belongs to a
+/// print or the ball, or to an object to be distinguished from them: field, white (a line), black (a robot's
+/// top), clear (anything else to be left out).
 struct ColorSample {
   Label label;
   Rgb color;
 };
 
-/// What cells get that look like field, white or black.
+/// Labels of cells that look like field, white or black.
 enum class BackgroundLabels {
-  kClear,  // none: what detectors want, and runs are few
-  kNamed,  // theirs: for people who look at the table
+  kClear,  // all clear: for detectors, which then have few runs
+  kNamed,  // their own labels: for showing the table to a person
 };
 
-/// Makes a table from a few samples of each label: three will do where light is even, else six to nine from
-/// all parts of the image, darkest and brightest included.
+/// Makes a table from a few samples of each label: three are enough in even light, else six to nine from all
+/// parts of the image, darkest and brightest included.
 ///
-/// Works in RGB; distances are in 8-bit grey levels. Under more or less light a colour moves on a ray from
-/// black, and so it does where it blends with the black around it. So each label is a line through its
-/// samples, sorted by brightness, from halfway to the robots' black up to 1.6 x the brightest, and further
-/// where the field's samples tell of light that the label's have not seen. Field and white, with their
-/// blends, are such lines from 0.5 x the darkest to 1.45 x the brightest: light differs from frame to frame.
-/// A cell gets the label of the line that is nearest, in units of a tolerance: 1.5 + 7 % of the line's
-/// brightness + noise, which is twice what samples are seen to lie off their lines, and 4 at least. Beyond
-/// four tolerances it is clear. In doubt it is background. Samples that are averages of many pixels do not
-/// show the noise: `noise_grey` is that of a pixel (sigma), when it is known.
+/// Works in RGB; distances are in 8-bit grey levels. As the light changes, a colour moves on a ray from
+/// black; the same happens where a colour blends with the black around it. So each label is represented by a
+/// line through its samples, sorted by brightness. The line extends from halfway to the robots' black up to
+/// 1.6 x the brightest sample, and further if the field's samples show light levels that the label's samples
+/// lack. Field and white, with their blends, are represented by such lines from 0.5 x the darkest to 1.45 x
+/// the brightest sample, because light differs from frame to frame. A cell gets the label of the nearest
+/// line; the unit of distance is a tolerance of 1.5 + 7 % of the line's brightness + noise. The noise is
+/// twice the distance of the samples from their lines, but at least 4. Beyond four tolerances a cell is
+/// clear. In doubt a cell is background. Samples that are averages of many pixels do not show the noise:
+/// `noise_grey` is the noise of a pixel (sigma), if it is known.
 ///
-/// Limits: what nobody pointed at is left out only beyond those four. In light below a tenth the tolerance is
-/// larger than what separates the colours. A label without samples is not in the table; without samples of
-/// field, white or black, what looks like these may get a colour's label. Takes 40 to 80 ms.
+/// Limits: objects without samples are left out only beyond four tolerances. In light below a tenth, the
+/// tolerance is larger than the distances between the colours. A label without samples is not in the table;
+/// without samples of field, white or black, cells with such colours may get the label of a print or the
+/// ball. Takes 40 to 80 ms.
 ColorTable table_from_samples(std::span<const ColorSample> samples,
                               BackgroundLabels background = BackgroundLabels::kClear, double noise_grey = 0);
-/// The same, made ready.
+/// The table of table_from_samples(), prepared for lookup.
 Lut lut_from_samples(std::span<const ColorSample> samples,
                      BackgroundLabels background = BackgroundLabels::kClear, double noise_grey = 0);
 

@@ -15,7 +15,7 @@ namespace {
 
 using Interval = Mask::Interval;
 
-constexpr int kMaxSide = 16'384;  // of an image, see is_valid_size()
+constexpr int kMaxSide = 16'384;  // largest side of an image, see is_valid_size()
 constexpr Interval kWholeRow{0, kMaxSide};
 
 /// A place in a row where the number of polygons around a cell changes.
@@ -46,7 +46,8 @@ void add_edges(const MaskPolygon& polygon, double centre_y, int cell_px, bool ex
   }
 }
 
-/// The intervals that are in an include polygon, or anywhere when there is none, and in no exclude polygon.
+/// Adds the intervals that are in an include polygon (or anywhere if there is no include polygon) and not in
+/// an exclude polygon.
 void add_intervals(std::vector<Edge>& edges, bool include_all, std::vector<Interval>& intervals) {
   std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.x < b.x; });
   int included = include_all ? 1 : 0, excluded = 0, begin = 0;
@@ -65,7 +66,7 @@ void add_intervals(std::vector<Edge>& edges, bool include_all, std::vector<Inter
   if (inside && begin < kMaxSide) intervals.push_back({static_cast<std::uint16_t>(begin), kMaxSide});
 }
 
-/// Keeps of the intervals from `first` on what the row's band has, too.
+/// Intersects the intervals from `first` on with the row's band.
 void limit_to(const FieldView& view, int row_px, int cell_px, std::size_t first,
               std::vector<Interval>& intervals) {
   const auto band_index = static_cast<std::size_t>(row_px / FieldView::kBandPx);

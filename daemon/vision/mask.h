@@ -15,8 +15,8 @@
 
 namespace sslv {
 
-/// A closed polygon in pixels of the image; pixel centres are at whole numbers. It may cross itself: inside
-/// is decided by the even-odd rule.
+/// A closed polygon in pixels of the image; pixel centres are at whole numbers. It may cross itself: its
+/// inside is defined by the even-odd rule.
 struct MaskPolygon {
   static constexpr std::size_t kMaxPoints = 200;
   std::vector<std::array<double, 2>> points;
@@ -26,10 +26,10 @@ struct MaskPolygon {
   }
 };
 
-/// Which part of the image is looked at.
+/// The part of the image that is searched.
 struct MaskSettings {
-  /// Of include and of exclude each; points of all of them together. The rows that a mask comes to take
-  /// memory with every point.
+  /// kMaxPolygons: maximum number of polygons in `include`, and in `exclude`. kMaxPoints: maximum number of
+  /// points in all polygons together. Every point increases the memory of the mask's rows.
   static constexpr std::size_t kMaxPolygons = 32, kMaxPoints = 1000;
   std::vector<MaskPolygon> include, exclude;
   std::optional<double> beyond_boundary = 0;
@@ -45,13 +45,13 @@ struct MaskSettings {
   }
 };
 
-/// Throws SettingsError, beginning with `path`, for polygons with too many points together.
+/// Throws SettingsError, its message starting with `path`, if the polygons have too many points together.
 void check_mask(const MaskSettings& mask, const std::string& path);
 
 struct FieldView;
 
-/// Polygons of MaskSettings as intervals of rows, for images of any size, and a camera's view of its field.
-/// Immutable.
+/// The visible intervals of each row, from the polygons of MaskSettings and a camera's view of its field. For
+/// images of any size. Immutable.
 class Mask {
  public:
   /// Cells [begin, end) of a row.
@@ -60,14 +60,16 @@ class Mask {
     bool operator==(const Interval&) const = default;
   };
 
-  /// Everything is looked at.
+  /// Everything is visible.
   Mask() : Mask(MaskSettings{}) {}
+  /// Only what the settings leave visible.
   explicit Mask(const MaskSettings& settings);
-  /// Only what `view` has, too (vision/field_view.h).
+  /// Additionally limits the visible part to `view` (vision/field_view.h).
   Mask(const MaskSettings& settings, const FieldView& view);
 
-  /// The cells of row `y` that are looked at: ascending, disjoint, none empty, to be cut off at the image's
-  /// right edge. cell_px is 1, or 2 for the quads of a Bayer image; what counts is the cell's centre.
+  /// The visible cells of row `y`: ascending, disjoint, none empty, to be clipped by the caller at the
+  /// image's right edge. cell_px is 1, or 2 for the quads of a Bayer image. A cell is visible if its centre
+  /// is visible.
   std::span<const Interval> row(int y, int cell_px) const {
     const Rows& rows = rows_[cell_px == 1 ? 0 : 1];
     const auto i = static_cast<std::size_t>(y);
@@ -75,7 +77,8 @@ class Mask {
     return std::span(rows.intervals).subspan(rows.begin[i], rows.begin[i + 1] - rows.begin[i]);
   }
 
-  /// Whether the pixel at this place is looked at; left of the image or above it, the nearest one in it.
+  /// Whether the pixel at this position is visible. For a position left of or above the image, the nearest
+  /// pixel in the image counts.
   bool shows(double x, double y) const {
     const auto pixel = [](double at) { return static_cast<int>(std::lround(std::clamp(at, 0.0, kMaxPx))); };
     const int column = pixel(x);
@@ -84,9 +87,9 @@ class Mask {
     });
   }
 
-  /// Another number for every mask made in this process; copies have the same.
+  /// Unique for every mask made in this process, except that copies share it.
   std::uint64_t id() const { return id_; }
-  /// All that it is, for a copy in another process (pipeline/part_codec.h).
+  /// All members, for a copy in another process (pipeline/part_codec.h).
   template <class Self>
   static auto stored(Self& self) {
     return std::tie(self.rows_, self.rest_, self.id_);
@@ -100,8 +103,8 @@ class Mask {
     std::vector<Interval> intervals;
     std::vector<std::uint32_t> begin;  // row y has the intervals begin[y] .. begin[y + 1]
   };
-  std::array<Rows, 2> rows_;    // of pixels, of quads
-  std::vector<Interval> rest_;  // of every row below those
+  std::array<Rows, 2> rows_;    // rows of pixels; rows of Bayer quads
+  std::vector<Interval> rest_;  // intervals of every row below rows_
   std::uint64_t id_ = next_id();
 };
 

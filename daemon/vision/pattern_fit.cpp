@@ -13,38 +13,42 @@
 namespace sslv {
 namespace {
 
-// Thresholds of "there is a disc". The contrast of an empty place is some two or three of its deviations.
+// Thresholds for a disc to count as seen. At an empty place the contrast is about two or three sigmas.
 constexpr double kMinSignificance = 8, kMinR2 = 0.2;
-/// Seen from a poor start, as where cells are large, much of what a disc leaves is no noise but its place
-/// being wrong.
+/// In the first pass from a poor start position, for example with large cells, much of a disc's residual is
+/// not noise but caused by its wrong position.
 constexpr double kMinSignificanceFirst = 3.5;
-/// Below this a sample's variance is that of rounding.
+/// Minimum variance of a sample: rounding.
 constexpr double kMinVariance = 0.5;
-/// Dots this far from their place are something else: while the pose is still coming, and in the end.
+/// A disc further than this from its place in the pattern is another object: kFarFirstMm during the
+/// iterations, kFarMm in the final pose.
 constexpr double kFarFirstMm = 10, kFarMm = 8;
-/// Steps larger than these are followed by another. Edges that are more blurred than the lens alone explains,
-/// as when the robot moves, tell less than the whole way at once.
+/// After a step larger than this, another step follows. If edges are more blurred than by the lens alone (r2
+/// below kSharpR2), for example because the robot moves, one step covers only part of the distance, so the
+/// limits are smaller.
 constexpr double kSmallStepMm = 1, kSmallTurnRad = 0.02;
 constexpr double kSmearedStepMm = 0.1, kSmearedTurnRad = 0.002, kSharpR2 = 0.97;
 constexpr double kMaxStepMm = 12, kMaxTurnRad = 0.25;
-/// Where a cell of the segmentation is large, regions know places only to this share of it: starts may be so
-/// far off, whatever the limits above.
+/// Regions give positions only to within this share of a cell of the segmentation. With large cells, start
+/// positions may therefore be further off than the limits above.
 constexpr double kCellReach = 0.7;
-/// Samples this near to the rim of the top are left out: robots differ, and the rim is blurred (by so many
-/// sigmas). The dots' edges lie there too, so each millimetre that is left out costs accuracy; ahead of the
-/// front there is mostly the robot's own dark wall. Where pixels are large, there would be none left.
+/// Samples this near to the rim of the top are left out: robots differ, and the rim is blurred (kRimSigmas).
+/// The dots' edges lie there too, so each millimetre that is left out costs accuracy; beyond the front edge
+/// there is mostly the robot's own dark wall, so less is left out there. With large pixels, no samples would
+/// remain without the maximum.
 constexpr double kRimMm = 3, kRimSigmas = 1.5, kMaxRimMm = 12;
 constexpr double kFrontRimMm = 2, kFrontRimSigmas = 0.8, kMaxFrontRimMm = 7;
-/// Ring around a disc that is looked at: so many pixels, within these limits and half of the gap between
-/// dots.
+/// Width of the sampled ring around a disc: kMarginPx, but at least kMinMarginMm and at most kMaxMarginMm and
+/// half of the gap between dots.
 constexpr double kMarginPx = 2, kMinMarginMm = 8, kMaxMarginMm = 20;
-/// The top is black all over: what the other dots' surroundings say counts like so many samples of one's own.
-/// It matters where a dot is but a few pixels large.
+/// The whole top is black, so the common ground around all dots counts as much as this many additional
+/// samples of each dot. This matters if a dot has only a few pixels.
 constexpr double kGroundWeight = 4;
-/// What all dots together say about noise counts like so many samples of each dot's own.
+/// The common noise of all dots counts as much as this many samples of each dot.
 constexpr double kCommonSamples = 40;
 
-/// A place's three values in the image's own colours, from the nearest samples.
+/// The three values at a pixel in the image's own colour space, from the nearest samples. Returns false
+/// outside the image and for images without colours.
 bool values_at(const ImageView& image, const Eigen::Vector2d& pixel, std::array<float, 3>& out) {
   if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < image.width - 0.5 && pixel.y() < image.height - 0.5))
     return false;
@@ -58,7 +62,7 @@ bool values_at(const ImageView& image, const Eigen::Vector2d& pixel, std::array<
   } else if (image.format == PixelFormat::kRgb24 || image.format == PixelFormat::kBgr24) {
     for (int c = 0; c < 3; ++c) out[static_cast<std::size_t>(c)] = row[3 * x + c];
   } else if (is_bayer(image.format)) {
-    // The nearest of each of the three kinds: in any 2x2 square there are all.
+    // The nearest sample of each colour: every 2x2 square contains all three colours.
     const int x0 = std::min(pixel.x() < x ? std::max(x - 1, 0) : x, image.width - 2);
     const int y0 = std::min(pixel.y() < y ? std::max(y - 1, 0) : y, image.height - 2);
     const bool red_odd_x = image.format == PixelFormat::kBayerGr8 || image.format == PixelFormat::kBayerBg8;
@@ -75,13 +79,13 @@ bool values_at(const ImageView& image, const Eigen::Vector2d& pixel, std::array<
   return true;
 }
 
-/// The larger of a limit and what regions may be off.
+/// The larger of a limit and the error of regions' positions.
 double reach_mm(double limit_mm, const ImageView& image, const PlanePatch& patch) {
   return std::max(limit_mm, kCellReach * (is_bayer(image.format) ? 2 : 1) * patch.mm_per_px());
 }
 
-/// Noise of one sample of each plane: what all discs together leave unexplained. That of one disc, of a dozen
-/// samples, may be small by chance.
+/// Noise variance of one sample of each plane, from the residuals of all discs together. The residuals of one
+/// disc, with a dozen samples, may be small by chance.
 std::array<double, 3> common_variances(std::span<const DiscFit> discs) {
   std::array<double, 3> out{};
   for (std::size_t p = 0; p < 3; ++p) {
@@ -113,13 +117,14 @@ PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double heig
   auto patch =
       plane_patch(frame.camera, {start.x_mm, start.y_mm}, height_mm, patterns.reach_mm + kMaxMarginMm);
   if (!patch) return out;
-  // What a row shows is put back to where it was when the row of the start was exposed.
+  // Moves the content of each row back to its place at the time when the row of the start position was
+  // exposed.
   patch->xv -= mm_per_row.x();
   patch->yv -= mm_per_row.y();
 
   Eigen::Vector3d moved = Eigen::Vector3d::Zero();  // x, y, angle since the start
-  // Of each dot, the centre first.
-  std::array<Eigen::Vector2d, PatternTable::kMaxDots + 1> arms;  // from the pattern's centre
+  // For each dot, beginning with the centre dot:
+  std::array<Eigen::Vector2d, PatternTable::kMaxDots + 1> arms;  // positions relative to the centre
   std::array<DiscMeasure, PatternTable::kMaxDots + 1> measures;
   std::array<DiscFit, PatternTable::kMaxDots + 1> discs;
   const auto dot_at = [](std::size_t i) { return i == 0 ? PatternFit::kCenter : i - 1; };
@@ -180,7 +185,7 @@ PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double heig
       all_sure = all_sure && significance > kMinSignificance * kMinSignificance;
       ++out.seen;
       seen_r2 += seen.r2;
-      // How much a plane's samples scatter is not known from one dot's few of them.
+      // One dot has too few samples to estimate the noise of a plane.
       Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
       Eigen::Vector2d pull = Eigen::Vector2d::Zero();
       for (std::size_t p = 0; p < 3; ++p) {
@@ -211,7 +216,7 @@ PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double heig
                        std::abs(step.z()) < (sharp ? kSmallTurnRad : kSmearedTurnRad);
     if (!(small && all_sure) && pass < max_passes) continue;
 
-    // What each dot says about itself, seen from the final pose.
+    // Results of each dot, relative to the final pose.
     double squares = 0, sum_r2 = 0;
     out.min_r2 = 1;
     out.seen = 0;
@@ -290,7 +295,7 @@ PatternFitter::Center PatternFitter::fit_center(const Frame& frame, double x_mm,
   };
   fit_from(Eigen::Vector2d::Zero());
   if (best.seen || max_step_mm <= kMaxStepMm) return best;
-  // A dot of hardly two cells: from its region's place there may be no way to its own.
+  // If a dot covers hardly two cells, the fit may not converge from the region's position.
   const double aside_mm = max_step_mm / 2;
   for (const double x : {-aside_mm, aside_mm}) {
     for (const double y : {-aside_mm, aside_mm}) fit_from({x, y});
@@ -305,7 +310,7 @@ std::size_t PatternFitter::find_headings(const Frame& frame, double x_mm, double
   if (!patch) return 0;
   work_ += 6;
 
-  constexpr std::size_t kTurns = 72;  // of 5 degrees
+  constexpr std::size_t kTurns = 72;  // in steps of 5 degrees
   static const auto kDirections = [] {
     std::array<Eigen::Vector2d, kTurns> out;
     for (std::size_t i = 0; i < kTurns; ++i) {
@@ -314,14 +319,14 @@ std::size_t PatternFitter::find_headings(const Frame& frame, double x_mm, double
     }
     return out;
   }();
-  // First order will do: samples are taken from the nearest pixel.
+  // A first-order approximation is sufficient, because samples are taken from the nearest pixel.
   const double det = patch->xu * patch->yv - patch->xv * patch->yu;
   Eigen::Matrix2d to_pixel;
   to_pixel << patch->yv / det, -patch->xv / det, -patch->yu / det, patch->xu / det;
   const auto value = [&](const Eigen::Vector2d& place_mm, std::array<float, 3>& out) {
     return values_at(frame.image, patch->pixel + to_pixel * place_mm, out);
   };
-  // The black: the median of a circle between the centre dot and the others.
+  // Black level: the median on a circle between the centre dot and the side dots.
   const double black_mm = patterns.center_diameter_mm / 2 + patterns.gap_mm / 2;
   std::array<std::array<float, kTurns>, 3> around;
   std::size_t count = 0;
@@ -345,7 +350,7 @@ std::size_t PatternFitter::find_headings(const Frame& frame, double x_mm, double
   second.fill(1e9F);
   std::size_t gaps = 0;
   for (const PatternTable::Ring& ring : patterns.rings) {
-    // How far each place on the ring is from the black.
+    // Contrast of each place on the ring to the black level.
     std::array<float, kTurns> contrast;
     for (std::size_t i = 0; i < kTurns; ++i) {
       const Eigen::Vector2d middle = ring.radius_mm * kDirections[i], out = ring.spread_mm * kDirections[i],
@@ -367,7 +372,7 @@ std::size_t PatternFitter::find_headings(const Frame& frame, double x_mm, double
       }
       contrast[i] = std::sqrt(square);
     }
-    // What is brighter than dots must not outvote dim ones.
+    // Limited, so that objects brighter than dots do not outvote dim dots.
     std::array<float, kTurns> sorted = contrast;
     constexpr std::size_t kMax = kTurns * 4 / 5;
     std::nth_element(sorted.begin(), sorted.begin() + kMax, sorted.end());
@@ -402,7 +407,7 @@ std::size_t PatternFitter::find_headings(const Frame& frame, double x_mm, double
                 (gaps > 0 ? 1.5F * between[i] / static_cast<float>(gaps) : 0);
   }
   constexpr double kApartRad = 0.25;
-  constexpr float kMinScore = 4;  // grey levels: less is noise on even ground
+  constexpr float kMinScore = 4;  // grey levels: lower scores are noise on even ground
   std::size_t found = 0;
   while (found < kMaxHeadings) {
     const auto best = std::max_element(scores.begin(), scores.end());

@@ -3,7 +3,7 @@
 
 namespace sslv {
 
-/// A robot's place on the plane of its top.
+/// A robot's pose on the plane of its top.
 struct PatternPose {
   double x_mm, y_mm, angle_rad;
 };

@@ -16,11 +16,10 @@
 namespace sslv {
 namespace {
 
-/// Two dots of a pattern that lie closer than this after a turn cannot be told apart reliably.
-constexpr double kSamePlaceMm = 12;
+/// Two dots of a pattern that lie closer than this after a rotation cannot be distinguished reliably.
+constexpr double kMinDotDistanceMm = 12;
 
-/// The codes seen from every turn that puts all dots onto dots: `same[i]` is the dot that dot i comes to lie
-/// on.
+/// All rotations that map all dots to dots: `same[i]` is the dot that dot i is mapped to.
 std::vector<std::vector<std::size_t>> symmetries(const std::vector<PatternDot>& dots) {
   std::vector<std::vector<std::size_t>> found;
   for (std::size_t target = 0; target < dots.size(); ++target) {
@@ -31,7 +30,7 @@ std::vector<std::vector<std::size_t>> symmetries(const std::vector<PatternDot>& 
       const double x = std::cos(turn) * dot.x_mm - std::sin(turn) * dot.y_mm;
       const double y = std::sin(turn) * dot.x_mm + std::cos(turn) * dot.y_mm;
       const auto near = std::find_if(dots.begin(), dots.end(), [&](const PatternDot& other) {
-        return std::hypot(other.x_mm - x, other.y_mm - y) < kSamePlaceMm;
+        return std::hypot(other.x_mm - x, other.y_mm - y) < kMinDotDistanceMm;
       });
       if (near == dots.end()) break;
       same.push_back(static_cast<std::size_t>(near - dots.begin()));
@@ -117,7 +116,7 @@ std::vector<PatternDot> dots_of(const Json& dots, double diameter_mm, const std:
   return out;
 }
 
-/// Fills reach_mm and gap_mm, and refuses dots that would hide each other or stand over the rim.
+/// Fills reach_mm and gap_mm, and refuses dots that overlap or extend beyond the rim.
 void measure(PatternTable& table, const std::string& path) {
   table.gap_mm = 1000;
   const PatternDot center{0, 0, table.center_diameter_mm};
@@ -184,7 +183,7 @@ PatternTable parse_patterns(const std::string& json_text, const std::string& pat
   table.center_diameter_mm = millimetres(json["center_diameter_mm"], path + "/center_diameter_mm", 1, 500);
   if (json.contains("top_radius_mm"))
     table.top_radius_mm = millimetres(json["top_radius_mm"], path + "/top_radius_mm", 1, 1000);
-  // A top without a flat front ends where the circle does.
+  // A top without a flat front ends at the circle.
   table.top_front_mm = json.contains("top_front_mm")
                            ? millimetres(json["top_front_mm"], path + "/top_front_mm", 1, 1000)
                            : table.top_radius_mm;

@@ -14,18 +14,19 @@ struct PatternDot {
   double x_mm, y_mm, diameter_mm;
 };
 
-/// The league's way of telling robots apart: a centre dot in the team's colour and side dots at fixed places
-/// whose colours spell the id. Places, sizes, colours and codes are data (config/patterns).
+/// Identifies robots as the league does: a centre dot in the team's colour, and side dots at fixed places
+/// whose colours encode the id. Places, sizes, colours and codes are data (config/patterns).
 struct PatternTable {
   static constexpr std::size_t kMaxDots = 16;  // side dots
 
   std::string name;
   double center_diameter_mm = 50;
-  std::array<Label, 2> team_colors{label::kYellow, label::kBlue};  // of the centre dot, by Team
+  std::array<Label, 2> team_colors{label::kYellow, label::kBlue};  // centre dot's colour, by Team
   std::vector<PatternDot> dots;                                    // side dots
-  /// The robot's top: black, round, with a flat front. What lies beyond it is not the robot's.
+  /// The robot's top: black, round, with a flat front. Nothing beyond it is part of the robot.
   double top_radius_mm = 90, top_front_mm = 55;
 
+  /// The side dots' colours of one robot id.
   struct Code {
     int id;
     std::vector<Label> colors;  // one for each dot
@@ -34,20 +35,20 @@ struct PatternTable {
 
   // Derived from the above.
   std::vector<Label> side_colors;  // every label that occurs in a code, once
-  double reach_mm = 0;             // from the centre to the outermost dot's rim
-  double gap_mm = 0;               // least black between two dots
-  /// The dots that lie about as far from the centre, by angle, and the middles of the black between them.
+  double reach_mm = 0;             // distance from the centre to the outermost dot's rim
+  double gap_mm = 0;               // smallest gap between two dots
+  /// Dots at about the same distance from the centre, by angle, and the middles of the gaps between them.
   struct Ring {
     double radius_mm;
-    double spread_mm;  // stays inside a dot from its middle
+    double spread_mm;  // distance from a dot's middle that is still inside the dot
     std::vector<double> dot_angles_rad, gap_angles_rad;
   };
   std::vector<Ring> rings;
 };
 
-/// Reads a pattern table from JSON text. Throws SettingsError, beginning with `path`: wrong type or number of
-/// colours, an id twice, dots that overlap or stand over the top's rim, or two codes that look alike when the
-/// robot turns (both named).
+/// Reads a pattern table from JSON text. Throws SettingsError, its message starting with `path`, for a wrong
+/// type or number of colours, an id that occurs twice, dots that overlap or extend beyond the top's rim, or
+/// two codes that look alike when the robot turns (the message names both).
 PatternTable parse_patterns(const std::string& json_text, const std::string& path,
                             const LabelSet& labels = LabelSet::built_in());
 

@@ -7,7 +7,7 @@
 
 namespace sslv {
 
-/// The JSON text that parse_patterns() makes the same table of.
+/// JSON text from which parse_patterns() makes the same table.
 std::string patterns_text(const PatternTable& table, const LabelSet& labels = LabelSet::built_in());
 
 }  // namespace sslv

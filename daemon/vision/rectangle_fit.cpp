@@ -13,8 +13,8 @@ namespace {
 constexpr int kAngles = 4, kSteps = 8;
 constexpr double kMinVariance = 0.5, kMinHalfMm = 3, kMaxStepMm = 5, kMaxTurnRad = 0.25;
 
-/// A blurred step: 0 far before an edge, 1 far behind it; half there, whose normal distribution's sigma is a
-/// third of `half`.
+/// A blurred step: 0 far before an edge, 0.5 at the edge, 1 far behind the edge. The blur's sigma is a third
+/// of `half`.
 struct Step {
   float is, slope;
   Step(float from_edge, float half) {
@@ -24,11 +24,11 @@ struct Step {
   }
 };
 
-using Moves = Eigen::Matrix<double, 5, 1>;  // x and y along its sides, half length, half width, angle
+using Moves = Eigen::Matrix<double, 5, 1>;  // x, y (along the sides), half length, half width, angle
 
-/// What a rectangle leaves of the samples, and where to a better one lies.
+/// Residuals of a rectangle, and the normal equations for a step to a better rectangle.
 struct Sums {
-  double cost = 0;  // of planes, each weighted by what it leaves
+  double cost = 0;  // sum over planes of count times log of the residual variance
   Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
   Moves gradient = Moves::Zero();
 };

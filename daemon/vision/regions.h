@@ -16,12 +16,14 @@ struct LabelImage {
   int cell_px = 1;            // side of a cell: 1, or 2 for Bayer
   std::vector<Label> labels;  // width * height, row by row
 
+  /// First label of row `y`.
   const Label* row(int y) const {
     return labels.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
   }
+  /// First label of row `y`.
   Label* row(int y) { return labels.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width); }
 
-  /// For a copy in another process (pipeline/part_codec.h): only the labels that count.
+  /// Encodes a copy for another process (pipeline/part_codec.h); leaves out labels beyond the image's cells.
   template <class Writer>
   void encode(Writer& to) const {
     const std::size_t cells =
@@ -50,21 +52,22 @@ struct Run {
   Label label;
 };
 
-/// Where a label had so many runs that it was cut (FloodCut): the frame is flagged. Places are in blocks of
-/// FloodCut::kBlockCells cells. As small as an atomic.
+/// The part of an image from which a label was cut because it had too many runs (FloodCut); the frame is
+/// flagged. Positions are in blocks of FloodCut::kBlockCells cells. Small enough for a lock-free atomic.
 struct alignas(8) Flood {
-  std::uint16_t blocks = 0;     // it was cut from so many; 0: there was no flood
-  Label label = label::kClear;  // that which was cut from most blocks; "clear": all labels were
+  std::uint16_t blocks = 0;     // number of blocks with cut labels; 0: no flood
+  Label label = label::kClear;  // the label cut from most blocks; "clear": all labels
   std::uint8_t cell_px = 1;
   std::uint8_t left = 0, top = 0, right = 0, bottom = 0;  // box around the blocks, inclusive
 };
 
+/// The runs of an image.
 struct RunList {
   int width = 0, height = 0;  // cells of the label image
   int cell_px = 1;
   std::vector<Run> runs;  // in reading order
-  Flood flood;            // of what is missing
-  /// By block (FloodCut), row by row: a bit for each label that was cut there. Empty: there was no flood.
+  Flood flood;            // the part of the image with cut labels
+  /// For each block (FloodCut), row by row: a bit for each label that was cut from it. Empty: no flood.
   std::vector<std::uint32_t> cut;
 };
 
@@ -77,9 +80,10 @@ struct Region {
   std::uint32_t first_run;                 // index into RunList::runs
 };
 
+/// The regions of an image.
 struct RegionList {
   std::vector<Region> regions;  // by label, then by falling area, then in reading order
-  bool capped = false;          // there were more than the cap allows, the frame is flagged
+  bool capped = false;          // there were more regions than allowed; the frame is flagged
 
   /// All regions of a label, largest first.
   std::span<const Region> of(Label label) const {

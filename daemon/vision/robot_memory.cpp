@@ -7,24 +7,24 @@
 
 namespace sslv {
 namespace {
-/// Robots do not drive faster: what seems to is another one, or the same put elsewhere.
-constexpr double kFastestMmS = 8000;
+/// Robots are not faster than this: a faster object is another robot, or the same robot placed elsewhere.
+constexpr double kFastestRobotMmS = 8000;
 
-/// Whether a robot can be so. What a recording says of it may be anything; of sums and products of what is
-/// far off nobody knows what becomes.
+/// Whether a robot may be in this state. A recording may contain any values, and sums and products of huge
+/// values are unpredictable.
 bool is_possible(const RobotMemory::Entry& entry) {
-  constexpr double kFar = 1e7, kMostInterval_s = 1e4;
+  constexpr double kFar = 1e7, kMaxInterval_s = 1e4;
   for (const double value :
        {entry.x_mm, entry.y_mm, entry.orientation_rad, entry.x_mm_s, entry.y_mm_s, entry.turn_rad_s}) {
     if (!(std::abs(value) < kFar)) return false;
   }
-  // Between two images that came nearly at once, changes of speed are large.
-  constexpr double kMostChange = 1e15;
+  // Between two images at almost the same time, accelerations are large.
+  constexpr double kMaxChange = 1e15;
   for (const double value : {entry.x_mm_s2, entry.y_mm_s2, entry.turn_rad_s2}) {
-    if (!(std::abs(value) < kMostChange)) return false;
+    if (!(std::abs(value) < kMaxChange)) return false;
   }
-  return std::abs(entry.interval_s) < kMostInterval_s &&
-         std::abs(entry.seen_s - entry.frame_s) < kMostInterval_s;
+  return std::abs(entry.interval_s) < kMaxInterval_s &&
+         std::abs(entry.seen_s - entry.frame_s) < kMaxInterval_s;
 }
 }  // namespace
 
@@ -46,10 +46,10 @@ void RobotMemory::remember(const RobotList& robots, double now_s, const RowTimes
       entries_.push_back(now);
       continue;
     }
-    if (known->frame_s == now_s) continue;  // a duplicate comes after the better one
+    if (known->frame_s == now_s) continue;  // a duplicate comes after the better detection
     const double dt = now.seen_s - known->seen_s;
     const double dx = robot.x_mm - known->x_mm, dy = robot.y_mm - known->y_mm;
-    if (dt > 0 && std::hypot(dx, dy) < kFastestMmS * dt) {
+    if (dt > 0 && std::hypot(dx, dy) < kFastestRobotMmS * dt) {
       now.x_mm_s = dx / dt;
       now.y_mm_s = dy / dt;
       now.turn_rad_s =

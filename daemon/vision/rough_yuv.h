@@ -8,9 +8,9 @@
 
 namespace sslv {
 
-/// YUV of an RGB colour by nothing but averages of bytes, (a + b + 1) / 2, of which CPUs do 16 to 64 in one
-/// step. True YUV, and that of the table cell of 7 bits in which the colour lies, is that plus an error
-/// within kRoughYuvError.
+/// Approximates the YUV of an RGB colour using only averages of bytes, (a + b + 1) / 2, because CPUs compute
+/// 16 to 64 of them in one step. The true YUV, and also the YUV of the 7-bit table cell that contains the
+/// colour, is the result plus an error within kRoughYuvError.
 constexpr Yuv rough_yuv(Rgb c) {
   const auto average = [](int a, int b) { return (a + b + 1) / 2; };
   // 0.34 R + 0.66 G, and 0.84 G + 0.16 B
@@ -21,7 +21,7 @@ constexpr Yuv rough_yuv(Rgb c) {
           static_cast<std::uint8_t>(average(c.r, 255 - green_blue))};
 }
 
-/// Least and greatest error of U, V, Y.
+/// Smallest and largest error of U, V and Y.
 inline constexpr std::array<std::array<int, 2>, 3> kRoughYuvError{{{-1, 2}, {-1, 2}, {-5, 4}}};
 
 }  // namespace sslv

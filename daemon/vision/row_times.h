@@ -7,20 +7,22 @@
 
 namespace sslv {
 
-/// When an image's rows saw what they show. Those of a rolling shutter come one after the other, evenly; the
-/// frame's time is that of the middle one. By default all rows are exposed at once.
+/// Exposure times of an image's rows. A rolling shutter exposes the rows one after the other at equal
+/// intervals; the frame's time is the exposure time of the middle row. By default all rows are exposed at
+/// once.
 class RowTimes {
  public:
   RowTimes() = default;
-  /// `read_out_s`: from the first row of the whole image to its last. `height_px` is this image's.
+  /// `read_out_s`: time from the first to the last row of the whole image. `height_px`: height of this image,
+  /// which may be a part of the whole image.
   RowTimes(double read_out_s, const WholePicture& whole, int height_px)
       : s_per_row_(read_out_s / std::max(1, (whole.height > 0 ? whole.height : height_px) - 1)),
         middle_px_(((whole.height > 0 ? whole.height : height_px) - 1) / 2.0 - whole.y) {}
 
   bool rolls() const { return s_per_row_ > 0; }
   double s_per_row() const { return s_per_row_; }
-  /// Of the row at y_px in this image, from the frame's time on. What is seen there and moves at v was
-  /// v * delay_s elsewhere at the frame's time.
+  /// Exposure time of the row at y_px of this image, relative to the frame's time. At the frame's time, an
+  /// object seen there with velocity v was displaced by -v * delay_s.
   double delay_s(double y_px) const { return (y_px - middle_px_) * s_per_row_; }
 
  private:

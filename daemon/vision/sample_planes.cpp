@@ -27,7 +27,7 @@ SamplePlanes sample_planes(PixelFormat format) {
 }
 
 std::array<double, 3> rgb_of_yuv_contrast(const std::array<double, 3>& c) {
-  // BT.601 full range, as image/color.h.
+  // BT.601 full range, as in image/color.h.
   return {c[0] + 1.402 * c[2], c[0] - 0.344136 * c[1] - 0.714136 * c[2], c[0] + 1.772 * c[1]};
 }
 

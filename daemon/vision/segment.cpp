@@ -7,14 +7,14 @@
 
 namespace sslv {
 
-/// Makes parts of the image for the threads.
+/// Splits the image into parts for the threads.
 void Segment::share_out(int threads, const RunList& picture) {
   if (threads_ != threads) {
     threads_ = threads;
     workers_ = std::make_unique<Workers>(threads - 1);
     if (const int had = workers_->threads() + 1; had < threads)
       log::warning("segment: goes on with {} of {} threads; the system gives no more", had, threads);
-    // Several parts a thread: who wakes late or meets a crowd of runs takes fewer.
+    // Several parts per thread, so that a thread that wakes late or finds many runs processes fewer parts.
     parts_.resize(threads == 1 ? 1 : static_cast<std::size_t>(4 * threads));
     found_.resize(parts_.size());
   }
@@ -27,7 +27,7 @@ void Segment::share_out(int threads, const RunList& picture) {
     const std::size_t room =
         FloodCut::room(picture.width, std::max(0, part.row_end - part.row_begin), kMaxPendingRuns);
     if (part.room < room) {
-      part.runs = std::make_unique_for_overwrite<Run[]>(room);  // what is never written is never in memory
+      part.runs = std::make_unique_for_overwrite<Run[]>(room);  // pages that are never written take no memory
       part.room = room;
     }
   }

@@ -41,9 +41,9 @@ class Segment {
  private:
   void share_out(int threads, const RunList& picture);
 
-  /// Some rows of the image, and memory for what is found there.
+  /// Some rows of the image, and memory for their runs.
   struct Part {
-    int row_begin = 0, row_end = 0;  // of cells
+    int row_begin = 0, row_end = 0;  // rows of cells
     std::unique_ptr<Run[]> runs;
     std::size_t room = 0;
     BackgroundUse use;
@@ -52,9 +52,9 @@ class Segment {
   BackgroundFollower background_;
   FloodCut flood_cut_;
   std::vector<Part> parts_;
-  std::vector<FloodCut::Band> found_;  // in each part
+  std::vector<FloodCut::Band> found_;  // runs found in each part
   std::unique_ptr<Workers> workers_;
-  int threads_ = 0;  // that it was made for; the system may have given fewer
+  int threads_ = 0;  // requested; the system may have given fewer
   FindRegions find_regions_;
 };
 

@@ -13,7 +13,8 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "vision/segment_kernel.cpp"
 #define HWY_WANT_AVX3_DL
-// SSSE3: IfNegativeThenElse is wrong for bytes there (Highway 1.0.3), and CPUs that stop there are of 2006.
+// SSSE3: IfNegativeThenElse is wrong for bytes there (Highway 1.0.3), and CPUs with no later instructions are
+// from 2006.
 // SVE: its vectors have no size at compile time; CPUs that have it have NEON too.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #include <hwy/foreach_target.h>
@@ -28,16 +29,16 @@ namespace sslv {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Cells looked at together: one bit each in a 64-bit word.
+/// Cells processed together: one bit each in a 64-bit word.
 constexpr int kBlock = 64;
-/// Blocks looked at together, also a bit each.
+/// Blocks processed together, also one bit each.
 constexpr int kGroup = 64;
 static_assert(kBlock == FloodCut::kBlockCells && kGroup == 64);
-/// Bytes ahead of which memory is asked for.
+/// Prefetch distance in bytes.
 constexpr std::size_t kPrefetchAhead = 6 * 1024;
 constexpr std::size_t kCacheLine = 64;
 
-// Vectors of up to 64 bytes; all of a block is a multiple of them.
+// Vectors of up to 64 bytes; a block is a whole number of vectors.
 using Bytes = hn::CappedTag<std::uint8_t, kBlock>;
 using Vector = hn::Vec<Bytes>;
 constexpr int kLanes = static_cast<int>(hn::MaxLanes(Bytes()));
@@ -49,7 +50,7 @@ HWY_INLINE std::uint64_t bits_of(D d, Mask mask) {
   return bits;
 }
 
-/// 64 of a row of bits, from number `first` on. There is a word to read after the last one.
+/// 64 bits of a row, from index `first` on. One word after the last must be readable.
 HWY_INLINE std::uint64_t bits_from(const std::uint64_t* words, int first) {
   const std::uint64_t *word = words + first / 64, low = word[0] >> first % 64;
   return first % 64 == 0 ? low : low | word[1] << (64 - first % 64);
@@ -61,7 +62,7 @@ struct RunWriter {
   std::size_t begun = 0, ended = 0;
   std::uint16_t y = 0;
   Label current = label::kClear;
-  std::uint32_t next = kNone;  // place and label of the cell that would lengthen the last run
+  std::uint32_t next = kNone;  // position and label of the cell that would extend the last run
 
   static constexpr std::uint32_t kNone = 0xFFFF'FFFF;
 
@@ -73,8 +74,8 @@ struct RunWriter {
     current = label;
   }
 
-  /// Cells with labels, from left to right; what lies between them is clear. Whether one goes on with the
-  /// run of the one before is anyone's guess in a noisy image, so there is no branch for it.
+  /// Adds labelled cells, from left to right; the cells between them are clear. There is no branch on whether
+  /// a cell extends the previous run, because in a noisy image CPUs cannot predict it.
   HWY_INLINE void add_cells(const std::uint16_t* places, const Label* labels, std::size_t count) {
     std::size_t end = begun;
     std::uint32_t expected = next;
@@ -91,7 +92,7 @@ struct RunWriter {
     next = expected;
     begun = ended = end;
   }
-  /// Neighbouring cells of one label.
+  /// Adds neighbouring cells of one label.
   HWY_INLINE void add_cells(int x_begin, int x_end, Label label) {
     const auto key = [label](int x) { return static_cast<std::uint32_t>(x) << 8 | label; };
     if (key(x_begin) == next) {
@@ -105,26 +106,26 @@ struct RunWriter {
   HWY_INLINE void end_cells() { next = kNone; }
 };
 
-// Formats. Each says how a cell lies in memory (kBytes in each of kRows rows of the image) and what its
-// label is. Those whose samples are U, V and Y say which of them a byte is (kChannels, repeating) and which
-// bytes share a colour (Lane); the others load red, green and blue.
+// Pixel formats. Each format defines the memory layout of a cell (kBytes in each of kRows rows of the image)
+// and its colour. Formats with samples of U, V and Y define the channel of each byte (kChannels, repeating)
+// and the bytes that share a colour (Lane); the other formats load red, green and blue.
 
 enum Channel : std::size_t { kU, kV, kY };
 
-/// Channels as LutTable has them.
+/// Channels as in LutTable.
 struct Color {
   std::uint8_t a, b, c;
 };
 
-/// A table's labels. How many bits a channel has is known at run time only: one more shift costs less than
-/// the kernel a second time.
+/// A table's labels. The bits per channel are known only at run time: an additional shift costs less than a
+/// second copy of the kernel.
 struct Cells {
   Cells(const LutTable& table, const Background& background)
       : labels(table.labels.data()), background_blocks(background.blocks.data()), bits(table.bits) {}
   HWY_INLINE const Label* place(Color color) const {
     return labels + LutTable::index(color.a, color.b, color.c, bits);
   }
-  /// Whether all of the block of colours that it lies in has the background's label.
+  /// Whether the whole block of the colour has the background's label.
   HWY_INLINE bool in_background(Color color) const {
     constexpr int kBits = LutTable::kBlockBits, kShift = 8 - kBits;
     const std::size_t row = static_cast<std::size_t>(color.a >> kShift) << kBits | color.b >> kShift;
@@ -188,7 +189,7 @@ struct Rgb24 {
 #endif
 };
 
-/// kRed: where red sits in the quad (0 1 / 2 3); blue sits opposite.
+/// kRed: position of red in the quad (0 1 / 2 3); blue is at the opposite corner.
 template <int kRed>
 struct Bayer {
   static constexpr int kBytes = 2, kRows = 2;
@@ -220,12 +221,12 @@ struct Bayer {
 };
 
 #if HWY_TARGET != HWY_SCALAR
-/// 0 where a byte lies in [low, low + extent].
+/// Each byte of the result is 0 if the byte of `in` lies in [low, low + extent].
 HWY_INLINE Vector beyond(Vector in, Vector low, Vector extent) {
   return hn::SaturatedSub(hn::Sub(in, low), extent);
 }
 
-/// The background's boxes for images in YUV, compared with the bytes as they lie in memory.
+/// The background's boxes for YUV images, compared directly with the bytes in memory.
 template <class Format>
 class YuvBoxes {
  public:
@@ -288,7 +289,7 @@ class YuvBoxes {
   Vector low_[Background::kMaxBoxes], extent_[Background::kMaxBoxes];
 };
 
-/// The same for images in red, green and blue: by rough_yuv(), and boxes smaller by its error.
+/// The background's boxes for RGB images, compared with rough_yuv() and reduced by its error.
 template <class Format>
 class RgbBoxes {
  public:
@@ -331,7 +332,7 @@ class RgbBoxes {
   struct Yuv {
     Vector u, v, y;
   };
-  /// As sslv::rough_yuv(), which tells more about it.
+  /// sslv::rough_yuv() for vectors.
   static HWY_INLINE Yuv rough_yuv(Vector r, Vector g, Vector b) {
     const auto average = [](Vector a, Vector c) HWY_ATTR { return hn::AverageRound(a, c); };
     const Vector red_green = average(g, average(r, average(g, average(r, average(g, r)))));
@@ -377,7 +378,7 @@ class Search {
     return search_.image.row(y * Format::kRows);
   }
 
-  /// Tells of the runs found so far, and lets go of those that flood.
+  /// Passes the runs found so far to the FloodCut, which drops the runs of labels that flood.
   void note(bool ends_strip) {
 #if HWY_TARGET != HWY_SCALAR
     finish_stretches();
@@ -387,7 +388,7 @@ class Search {
     out_.begun = out_.ended = search_.found->count;
   }
 
-  /// Cells [begin, end) of a row.
+  /// Searches cells [begin, end) of a row.
   void search_stretch(int y, int begin, int end) {
 #if HWY_TARGET != HWY_SCALAR
     if (width_ >= kBlock) {
@@ -405,18 +406,20 @@ class Search {
 #if HWY_TARGET != HWY_SCALAR
   using Boxes = std::conditional_t<Format::kIsRgb, RgbBoxes<Format>, YuvBoxes<Format>>;
 
-  /// Cells [begin, end) of a row whose candidates are listed, but not looked up.
+  /// Cells [begin, end) of a row whose candidates (cells outside all boxes) are listed, but not looked up
+  /// yet.
   struct Stretch {
     int y, begin, end;
-    std::size_t listed_end;  // of Pending::places
-    bool goes_on;            // in the next stretch
+    std::size_t listed_end;  // end of its candidates in Pending::places
+    bool goes_on;            // the next stretch continues this one
   };
-  // Candidates of several rows are looked up together: the table's memory is waited for only once.
+  // Candidates of several rows are looked up together, so that the table's memory latency is paid only once.
   static constexpr std::size_t kMaxStretches = 16, kManyListed = 1024;
-  // So many of a block's cells are candidates that it is faster to look up all of them.
+  // If a block has at least this many candidates, it is faster to look up all of its cells.
   static constexpr int kDense = 20;
   static_assert(2 * (kManyListed + kGroup * kBlock) + kMaxStretches <= kMaxPendingRuns);
-  /// Stretches, and where their candidates are, from left to right. Not cleared: the counts say what counts.
+  /// Stretches and the positions of their candidates, from left to right. The arrays are not cleared: the
+  /// counts define the valid entries.
   struct Pending {
     Stretch stretches[kMaxStretches];
     std::size_t stretch_count = 0, listed = 0;
@@ -429,7 +432,7 @@ class Search {
     const int last = (end + kBlock - 1) / kBlock;
     const std::uint64_t* cut_whole = search_.flood_cut->cut_whole(y / FloodCut::kBlockCells);
     for (int group = begin / kBlock; group < last; group += kGroup) {
-      // All blocks go through one step before any goes through the next: steps without branches overlap.
+      // Each step processes all blocks before the next step begins: the CPU overlaps steps without branches.
       const int blocks = std::min(kGroup, last - group);
       const std::uint64_t odd = odd_blocks(in, group, blocks) & ~bits_from(cut_whole, group);
       std::uint64_t candidates[kGroup];
@@ -462,14 +465,14 @@ class Search {
     pending_.stretches[pending_.stretch_count++] = stretch;
   }
 
-  /// Looks up all of cells [begin, end) of a row, of one block, and writes their runs. All before them have
-  /// been written.
+  /// Looks up all of cells [begin, end) of a row, within one block, and writes their runs. The runs of all
+  /// cells before `begin` must have been written.
   void write_block(int y, int begin, int end) {
     const Cells cells = cells_;
     const std::uint8_t* in = row(y);
     const std::ptrdiff_t stride = stride_;
     const int count = end - begin;
-    alignas(64) Label labels[1 + kBlock];  // and one before
+    alignas(64) Label labels[1 + kBlock];  // with one label before the block
     Label* label = labels + 1;
     for (int i = 0; i < count; ++i)
       label[i] = *cells.place(Format::color(in, stride, static_cast<std::size_t>(begin + i)));
@@ -491,7 +494,8 @@ class Search {
     }
   }
 
-  /// Where a block is read: that at the right edge further left, wholly within the row.
+  /// First cell that is read for a block. The block at the right edge is moved to the left, so that it lies
+  /// wholly within the row.
   HWY_INLINE int place_of(int block) const {
     return std::min(block * kBlock, width_ - kBlock);
   }
@@ -502,7 +506,7 @@ class Search {
   HWY_INLINE void prefetch(const std::uint8_t* block) const {
     HWY_UNROLL(2)
     for (int r = 0; r < Format::kRows; ++r) {
-      // An image of two rows a cell is read in two streams.
+      // An image with two rows per cell is read in two streams.
       const std::uint8_t* ahead = block + (Format::kRows == 1 ? static_cast<std::ptrdiff_t>(kPrefetchAhead)
                                                               : (3 * Format::kRows + r) * stride_);
       HWY_UNROLL(3)
@@ -511,15 +515,15 @@ class Search {
     }
   }
 
-  /// One bit for each of `count` blocks from number `first` on: whether it is not wholly in the first box, as
-  /// far as it is worth while to know.
+  /// One bit for each of `count` blocks from index `first` on: set if the block is not wholly in the first
+  /// box. All bits are set if this test is not worthwhile.
   HWY_INLINE std::uint64_t odd_blocks(const std::uint8_t* in, int first, int count) const {
     const std::uint64_t all = ~std::uint64_t{0} >> (kGroup - count);
     if constexpr (Format::kIsRgb) {
       return all;
     } else {
       if (search_.background->boxes == 0 || !search_.background->first_alone) return all;
-      const Boxes boxes = boxes_;  // stays in registers, which a member would not
+      const Boxes boxes = boxes_;  // a local copy stays in registers, unlike a member
       std::uint64_t odd = 0;
       for (int i = 0; i < count; ++i) {
         const std::uint8_t* block = bytes_of(in, first + i);
@@ -530,8 +534,9 @@ class Search {
     }
   }
 
-  /// For each of the `odd` blocks from number `first` on, one bit for each of its cells in [begin, end):
-  /// whether it is outside all boxes. Tells which blocks have such cells, and `dense` which have many.
+  /// For each of the `odd` blocks from index `first` on, sets one bit in `candidates` for each of its cells
+  /// in [begin, end) that is outside all boxes. Returns one bit for each block with such cells; `dense` gets
+  /// one bit for each block with many such cells.
   HWY_INLINE std::uint64_t find_candidates(const std::uint8_t* in, int first, int count, std::uint64_t odd,
                                            int begin, int end, std::uint64_t* candidates,
                                            std::uint64_t& dense) const {
@@ -553,8 +558,8 @@ class Search {
         find(i, bytes_of(in, first + i));
       }
     }
-    // Only the blocks at both ends have cells beyond; that at the right edge also has those of the one
-    // before.
+    // Only the first and last blocks have cells outside [begin, end). A block at the right edge also has
+    // cells of the previous block.
     for (const int i : {0, count - 1}) {
       const int at = place_of(first + i);
       const int from = std::max((first + i) * kBlock, begin), to = std::min((first + i + 1) * kBlock, end);
@@ -573,7 +578,7 @@ class Search {
       const int i = std::countr_zero(mixed), at = place_of(first + i);
       std::uint64_t left = candidates[i];
       const int count = std::popcount(left);
-      // Those beyond the last one are written over.
+      // Surplus positions are overwritten.
       for (int done = 0; done < count; done += kAtOnce) {
         HWY_UNROLL(4)
         for (int k = 0; k < kAtOnce; ++k, left &= left - 1)
@@ -596,7 +601,8 @@ class Search {
     pending_.stretch_count = pending_.listed = 0;
   }
 
-  /// Drops the candidates that a bitmap can tell: it stays in the cache, which the table mostly does not.
+  /// Drops candidates that the bitmap of background blocks identifies as background: this bitmap stays in the
+  /// cache, unlike most of the table.
   HWY_INLINE void drop_background() {
     const Cells cells = cells_;
     std::size_t i = 0, kept = 0;
@@ -613,12 +619,12 @@ class Search {
     pending_.listed = kept;
   }
 
-  /// Finds the candidates' labels, and drops those that have the background's.
+  /// Looks up the candidates' labels, and drops candidates with the background's label.
   HWY_INLINE void look_up() {
     const Cells cells = cells_;
     const Label background = background_;
     const std::ptrdiff_t stride = stride_;
-    // All that is wanted of the table is asked for before any is waited for.
+    // Prefetches all needed entries of the table before the first entry is used.
     std::size_t i = 0;
     for (std::size_t k = 0; k < pending_.stretch_count; ++k) {
       const std::uint8_t* in = row(pending_.stretches[k].y);

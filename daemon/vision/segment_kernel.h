@@ -21,19 +21,19 @@ struct RunSearch {
   const Mask* mask;
   const Background* background;
   int row_begin, row_end;  // rows of cells
-  FloodCut* flood_cut;     // is told of the runs, and tells where none are wanted any more
-  FloodCut::Band* found;   // with room for kMaxPendingRuns besides
+  FloodCut* flood_cut;     // receives the runs, and has the blocks to skip
+  FloodCut::Band* found;   // with additional room for kMaxPendingRuns
 };
 
-/// Runs of many rows are found at once: up to so many besides those of one row.
+/// Runs of several rows are found together: at most this many, in addition to the runs of one row.
 inline constexpr std::size_t kMaxPendingRuns = 12 * 1'024;
 
-/// Finds the runs of the labelled image without making it, just as Threshold and FindRuns would. Written
-/// once for vectors of any length (Google Highway) and chosen at the first call for the CPU it runs on.
-/// Blocks from which all labels are cut (FloodCut) are passed over once that is known.
+/// Finds the same runs as Threshold and FindRuns without making the labelled image. Written once for vectors
+/// of any length (Google Highway); the first call selects the version for the CPU. Skips blocks in which all
+/// labels are known to be cut (FloodCut).
 BackgroundUse search_runs(const RunSearch& search) noexcept;
 
-/// Writes one bit for each block of the table, `c` innermost in 64 bits: whether all of it has that label.
+/// Writes one bit for each block of the table, `c` innermost in 64 bits: set if the whole block has `label`.
 void find_uniform_blocks(const LutTable& table, Label label, std::uint64_t* uniform) noexcept;
 
 /// Name of the instruction set search_runs() uses here: "AVX2", "NEON"...

@@ -6,7 +6,7 @@
 namespace sslv {
 namespace {
 
-/// kLuma: position of the first Y in the four bytes of two pixels; U and V follow from it.
+/// kLuma: position of the first Y in the four bytes of two pixels; it determines the positions of U and V.
 template <int kLuma>
 void label_yuv422(const Lut& lut, const std::uint8_t* in, Label* out, int width) {
   constexpr int kU = kLuma == 1 ? 0 : 1, kV = kU + 2;
@@ -25,7 +25,7 @@ void label_mono(const Lut& lut, const std::uint8_t* in, Label* out, int width) {
   for (int x = 0; x < width; ++x) out[x] = lut.of_yuv(in[x], 128, 128);
 }
 
-/// kRed: where red sits in the quad (0 1 / 2 3); blue sits opposite.
+/// kRed: position of red in the quad (0 1 / 2 3); blue is at the opposite corner.
 template <int kRed>
 void label_bayer(const Lut& lut, const std::uint8_t* upper, const std::uint8_t* lower, Label* out,
                  int quads) {

@@ -10,13 +10,13 @@
 
 namespace sslv {
 
-/// Makes the cells clear that the mask leaves out.
+/// Sets the cells that the mask hides to clear.
 void clear_masked(const Mask& mask, LabelImage& labels);
 
 /// Labels every pixel by the colour lookup table: the plain reference (Bruce, Balch, Veloso: Fast and
 /// Inexpensive Color Image Segmentation for Interactive Robots, IROS 2000). Bayer images are read as 2x2
-/// quads of one red, two green (averaged, rounded up) and one blue sample, one label each; mono pixels count
-/// as grey. What the mask leaves out is clear.
+/// quads of one red, two green (averaged, rounded up) and one blue sample, with one label per quad; mono
+/// pixels count as grey. Cells that the mask hides are clear.
 class Threshold {
  public:
   struct Params {

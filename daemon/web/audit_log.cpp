@@ -13,7 +13,7 @@
 namespace sslv {
 namespace {
 
-/// Signing out is for everybody, and changes nothing for others.
+/// Signing out does not count as a change: everybody may sign out, and it affects nobody else.
 bool changes_something(std::string_view method, std::string_view target, int status) {
   return status < 400 && !(method == "DELETE" && target.starts_with("/api/session"));
 }
@@ -85,7 +85,7 @@ AuditLog::Lines AuditLog::take_due(double now_s, double period_s) {
     if (now_s - counted.since_s < period_s) {
       ++entry;
     } else if (counted.by_status.empty()) {
-      entry = of_address_.erase(entry);  // the next one is a first one again
+      entry = of_address_.erase(entry);  // the address' next request gets a line again
     } else {
       lines.push_back(summary(address, counted.by_status, now_s - counted.since_s, counted.last));
       counted = {now_s, {}, {}};

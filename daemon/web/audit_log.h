@@ -14,30 +14,30 @@
 
 namespace sslv {
 
-/// The lines of the log that say who wanted to change something (log::kAuditId). Every change has a line. Of
-/// requests that were refused, or change nothing, the first of an address has one; those that follow are
-/// counted and written in one line a minute, so that nobody fills a disk with refusals. May be used from any
-/// thread.
+/// Logs attempts to change something, with the client's address (log::kAuditId). Every change gets a line.
+/// If requests are refused or change nothing, only the first request from an address gets a line; later
+/// requests are counted and summarised in one line a minute, so that refusals cannot fill the disk.
+/// Thread-safe.
 class AuditLog {
  public:
   using Clock = std::function<double()>;  // steady, s
   static constexpr double kPeriod_s = 60;
-  /// That are counted apart; an IPv6 network is one. The others are counted together.
+  /// Addresses counted separately; an IPv6 network counts as one. All other addresses are counted together.
   static constexpr std::size_t kMaxAddresses = 64;
 
   explicit AuditLog(Clock now_s = steady_s);
   AuditLog(const AuditLog&) = delete;
   AuditLog& operator=(const AuditLog&) = delete;
-  ~AuditLog();  // writes what was counted
+  ~AuditLog();  // writes pending counts
 
-  /// A request that was answered with `status`. `target`: its address, as it came.
+  /// Records a request that was answered with `status`. `target`: the requested address as received.
   void add(const std::string& address, std::string_view method, std::string_view target, int status);
 
-  /// Writes what was counted more than a minute ago: to be called now and then.
+  /// Writes counts older than kPeriod_s. Call it periodically.
   void write_due();
 
  private:
-  /// What is not written yet of an address, or of those that are not counted apart.
+  /// Pending counts of one address, or of all addresses that are not counted separately.
   struct Counted {
     double since_s = 0;
     std::map<int, std::uint64_t> by_status;
@@ -49,7 +49,7 @@ class AuditLog {
   Lines take_due(double now_s, double period_s);
 
   const Clock now_s_;
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards the members below
   std::map<std::string, Counted> of_address_;
   Counted of_others_;
 };

@@ -14,9 +14,9 @@ namespace sslv {
 namespace {
 
 constexpr double kDetectionsPerSecond = 30;
-// How long a view is waited for before looking again who watches.
+// Timeout for a view before checking again for viewers.
 constexpr std::chrono::milliseconds kPatience{250};
-// Before an image is tried again after one that cannot be encoded.
+// Pause after an image that cannot be encoded.
 constexpr std::chrono::seconds kFailurePause{1};
 
 std::chrono::steady_clock::duration interval_of(double per_second) {
@@ -24,10 +24,10 @@ std::chrono::steady_clock::duration interval_of(double per_second) {
       std::chrono::duration<double>(1.0 / per_second));
 }
 
-/// The messages of one view, each made when it is first asked for and then shared.
+/// The messages of one view, each made on first use and then shared.
 class Messages {
  public:
-  /// `drawing`: where the labelled image is drawn, reused from view to view.
+  /// `drawing`: buffer for the labelled image, reused for each view.
   Messages(const View& view, JpegEncoder& encoder, std::vector<std::uint8_t>& drawing,
            std::atomic<std::uint64_t>& jpegs_encoded)
       : view_(view), encoder_(encoder), drawing_(drawing), jpegs_encoded_(jpegs_encoded) {}
@@ -72,7 +72,7 @@ class Messages {
     CameraFeed::Message message;
   };
 
-  /// The bytes lie in the encoder.
+  /// The result points into the encoder.
   std::span<const char> encode(const Picture& picture, int width, int quality) {
     const std::span<const std::uint8_t> jpeg = encoder_.encode(picture.image, width, quality, picture.chroma);
     ++jpegs_encoded_;
@@ -105,7 +105,7 @@ class Messages {
   std::atomic<std::uint64_t>& jpegs_encoded_;
   CameraFeed::Message detections_;
   const Picture camera_picture_ = picture_of(view_, PictureKind::kCamera, drawing_);
-  std::optional<Picture> labelled_picture_;  // the camera's where nothing is labelled
+  std::optional<Picture> labelled_picture_;  // the camera's image if there is no labelled one
   std::vector<Preview> previews_;
 };
 
@@ -131,7 +131,7 @@ void CameraFeed::start_preview(ViewerId viewer, const PreviewWish& wish, Sink si
       watcher->wish = wish;
       watcher->interval = interval_of(wish.fps);
       watcher->due = Clock::now();
-      watcher->seen_version = 0;  // a camera that stands still is shown again, as wished now
+      watcher->seen_version = 0;  // sends the current image again, with the new wish
     } else {
       watchers_.push_back({viewer, wish, std::move(sink), interval_of(wish.fps), Clock::now()});
     }
@@ -209,7 +209,8 @@ std::vector<CameraFeed::Delivery> CameraFeed::take_due(const View& view) {
   for (Watcher& watcher : watchers_) {
     if (!watcher.is_due(now) || watcher.seen_version >= view.version) continue;
     watcher.seen_version = view.version;
-    // From when it was due and not from now, so that a view that comes a little late does not lower the rate.
+    // Relative to when it was due, not to the current time, so that a slightly late view does not lower the
+    // rate.
     watcher.due = std::max(watcher.due + watcher.interval, now + watcher.interval / 2);
     if (watcher.wish) watcher.in_flight = view.frame_number;
     deliveries.push_back({watcher.wish, watcher.sink});
@@ -254,7 +255,7 @@ void CameraFeed::run(const std::stop_token& stop) {
     std::optional<View> view = views_.wait_view(camera_id_, seen, kPatience);
     lock.lock();
     if (!view) {
-      // It answers at once when the camera is not there.
+      // wait_view() returns at once if the camera is missing.
       changed_.wait_until(lock, stop, now + kPatience, [] { return false; });
       continue;
     }
@@ -266,7 +267,7 @@ void CameraFeed::run(const std::stop_token& stop) {
       log::warning("web: no image of camera {} for viewers: {}", camera_id_, error.what());
       put_off(view->frame_number);
     }
-    view.reset();  // before anything is waited for
+    view.reset();  // release it before waiting
     lock.lock();
   }
 }

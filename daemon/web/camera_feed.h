@@ -18,37 +18,36 @@
 
 namespace sslv {
 
-/// The JPEG of a preview message, which begins with a header that says how long it is.
+/// Returns the JPEG within a preview message, which starts with a header that has its own length.
 std::span<const char> jpeg_in(const std::string& preview_message);
 
-/// One camera's images and detections on their way to the viewers. A thread of its own takes a view when a
-/// viewer is due for one, encodes it once for every image, size and quality wanted, and hands it to the
-/// viewers. It sleeps while nobody is due, so that without viewers nothing is encoded or even looked at. All
-/// members may be called from any thread.
+/// Sends one camera's images and detections to the viewers on its own thread: fetches a view when a viewer is
+/// due, encodes it once per requested image, size and quality, and passes it to the viewers. Sleeps while no
+/// viewer is due, so without viewers nothing is fetched or encoded. All members are thread-safe.
 class CameraFeed {
  public:
   using ViewerId = std::uint64_t;
   using Message = std::shared_ptr<const std::string>;
-  /// Called from the feed's thread; must not block. One call may still be under way after the viewer was
+  /// Called from the feed's thread; must not block. One call may still be in progress after the viewer was
   /// removed.
   using Sink = std::function<void(const Message&)>;
 
-  /// `views` and `jpegs_encoded`, which counts, must outlive the feed. Throws std::system_error when its
-  /// thread cannot start.
+  /// `views` and the counter `jpegs_encoded` must outlive the feed. Throws std::system_error if its thread
+  /// cannot start.
   CameraFeed(ViewSource& views, std::uint32_t camera_id, std::atomic<std::uint64_t>& jpegs_encoded);
 
   /// Asks the thread to end; the destructor waits for it.
   void request_stop() { thread_.request_stop(); }
 
-  /// Binary preview messages as docs/api.md has them: the next one only after acknowledge() of the one
-  /// before. Again: changes the wish.
+  /// Sends binary preview messages (docs/api.md), each only after acknowledge() of the previous one. Calling
+  /// it again changes the wish.
   void start_preview(ViewerId viewer, const PreviewWish& wish, Sink sink);
   void acknowledge(ViewerId viewer, std::uint32_t frame_number);
-  /// Whichever frame is on its way.
+  /// Acknowledges the frame in flight, whichever it is.
   void acknowledge(ViewerId viewer);
   void stop_preview(ViewerId viewer);
 
-  /// Detection messages, at most 30 a second. Again: nothing happens.
+  /// Sends detection messages, at most 30 a second. Calling it again does nothing.
   void start_detections(ViewerId viewer, Sink sink);
   void stop_detections(ViewerId viewer);
 
@@ -59,8 +58,8 @@ class CameraFeed {
     std::optional<PreviewWish> wish;  // none: wants detections
     Sink sink;
     Clock::duration interval;
-    Clock::time_point due;                     // no message before that
-    std::uint64_t seen_version = 0;            // of the view it got last
+    Clock::time_point due;                     // no message before this time
+    std::uint64_t seen_version = 0;            // version of the view sent last
     std::optional<std::uint32_t> in_flight{};  // number of a frame not acknowledged yet
 
     bool is_due(Clock::time_point now) const { return !in_flight && due <= now; }
@@ -77,8 +76,8 @@ class CameraFeed {
 
   // With mutex_ held:
   Watcher* find(ViewerId viewer, bool preview);
-  std::optional<Clock::time_point> next_due() const;  // none: nobody may get anything
-  std::uint64_t oldest_version_seen() const;          // by those who are due
+  std::optional<Clock::time_point> next_due() const;  // none: no viewer may get a message
+  std::uint64_t oldest_version_seen() const;          // among the viewers that are due
   std::vector<Delivery> take_due(const View& view);
 
   ViewSource& views_;
@@ -89,7 +88,7 @@ class CameraFeed {
   std::condition_variable_any changed_;
   std::vector<Watcher> watchers_;
 
-  std::jthread thread_;  // last, so that it ends before what it uses
+  std::jthread thread_;  // last: stops before the members it uses are destroyed
 };
 
 }  // namespace sslv

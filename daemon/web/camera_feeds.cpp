@@ -24,7 +24,7 @@ CameraFeed& CameraFeeds::of(std::uint32_t camera_id) {
   }
   const auto feed = feeds_.find(camera_id);
   if (feed != feeds_.end()) return *feed->second;
-  // Made before it has a place: its thread may not start, and every place must hold a feed.
+  // Create it before inserting: its thread may fail to start, and every entry must hold a feed.
   auto made = std::make_unique<CameraFeed>(views_, camera_id, jpegs_encoded_);
   return *feeds_.emplace(camera_id, std::move(made)).first->second;
 }

@@ -10,25 +10,25 @@
 
 namespace sslv {
 
-/// The feeds of all cameras, each made when it is first asked for. One thread at a time.
+/// The feeds of all cameras, each created on first use. Use from one thread at a time.
 class CameraFeeds {
  public:
-  /// Both must outlive this.
+  /// `views` and `jpegs_encoded` must outlive this.
   CameraFeeds(ViewSource& views, std::atomic<std::uint64_t>& jpegs_encoded);
   ~CameraFeeds() { ask_to_stop(); }
-  /// Begins what the destructor does, and does not wait for it: all feeds end together.
+  /// Starts stopping all feeds together without waiting; the destructor waits.
   void ask_to_stop();
 
   CameraFeed::ViewerId new_viewer() { return ++last_viewer_; }
 
-  /// Of a camera. Throws HttpError 404 when there is no such camera, std::system_error when its
-  /// thread cannot start.
+  /// Returns the feed of a camera, created if needed. Throws HttpError 404 if there is no such camera,
+  /// std::system_error if its thread cannot start.
   CameraFeed& of(std::uint32_t camera_id);
 
-  /// Of a camera that somebody has watched, even if there is none any more; null: nobody has.
+  /// Returns the feed of a camera that was watched before, even if the camera is gone; else null.
   CameraFeed* find(std::uint32_t camera_id);
 
-  /// Of every camera.
+  /// Stop the viewer's previews, and its detections, of all cameras.
   void stop_previews(CameraFeed::ViewerId viewer);
   void stop_detections(CameraFeed::ViewerId viewer);
 

@@ -10,12 +10,12 @@
 namespace sslv {
 namespace {
 
-// Of all connections. One address may have half of what there is, one address' viewers a quarter, all
-// strangers' viewers half, and strangers all but an eighth.
+// Shares of all connections, as divisors: at most 1/2 for one address, 1/2 for the viewers of all strangers,
+// 1/4 for the viewers of one address; 1/8 is reserved for trusted addresses.
 constexpr std::size_t kPartOfAddress = 2, kPartOfViewers = 2, kPartOfAddressViewers = 4, kPartKept = 8;
-// An address with so many connections is not one person's browser.
+// An address has many connections if it has 1/16 of all: more than one person's browser needs.
 constexpr std::size_t kPartThatIsMany = 16;
-/// An address for which so much of all that may wait does is slow.
+/// An address holds much memory if it holds 1/4 of the bytes that may wait.
 constexpr std::size_t kPartOfUnsentThatIsMany = 4;
 
 std::size_t part(std::size_t max, std::size_t of) {
@@ -41,7 +41,7 @@ std::shared_ptr<Connections::Seat> Connections::admit(const std::string& address
     const auto all = [](const Seat&) { return true; };
     const auto strangers = [](const Seat& one) { return !one.is_trusted_; };
     const auto neighbours = [&](const Seat& one) { return !one.is_trusted_ && one.network_ == network; };
-    std::function<bool(const Seat&)> among;  // one of these must go; none: there is room
+    std::function<bool(const Seat&)> among;  // one of these must close; empty: below all limits
     if (!is_trusted && count(neighbours) >= part(max_, kPartOfAddress)) {
       among = neighbours;
       problem = "too many connections from your address";
@@ -94,7 +94,8 @@ Connections::Seat* Connections::slowest(const std::function<bool(const Seat&)>& 
   Seat* best = nullptr;
   for (Seat* seat : seats_) {
     const std::size_t bytes = seat->group_->second.large_bytes;
-    // A viewer skips images instead. A request that is being handled waits for no client.
+    // Viewers always get the longer time: they skip images instead. A request that is being handled does not
+    // wait for its client.
     const double own_patience_s = seat->state_ == State::kStays ? kSendPatience_s : patience_s;
     if (!seat->close_ || seat->state_ == State::kWorks || seat->unsent_bytes_ <= kAlwaysSentBytes ||
         seat->unmoved_since_s_ >= now_s - own_patience_s || bytes < min_bytes_of_network || !which(*seat))
@@ -202,7 +203,7 @@ bool Connections::Seat::holds(std::size_t bytes, std::string& problem) {
       const auto neighbours = [&](const Seat& one) { return peers(one) && one.network_ == network_; };
       const auto make_room = [&](const Sums& sums, const auto& among, std::size_t max) {
         for (;;) {
-          // One large answer is sent, however large it is.
+          // A single large answer is always sent, however large it is.
           const std::size_t others = sums.large_bytes - if_large(before);
           if (others == 0 || others + bytes <= max) return true;
           Seat* slow = connections_.slowest(among, kSendPatience_s, 0);

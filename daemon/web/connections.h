@@ -14,24 +14,27 @@
 
 namespace sslv {
 
-/// A server's connections: how many there may be, and which one is closed when there is no room for another.
+/// Limits a server's connections and chooses the connection to close when a new one would exceed the limit.
 ///
-/// A newcomer is let in as long as something can go for it: a connection whose request is not there yet (it
-/// is idle, or half of a request came), or one that takes its answer for longer than kSendPatience_s. Of
-/// these goes the one whose address has most connections, and of equals the one that has been so for longest.
-/// Where none can go, an address with many connections gives the one that has taken its answer for longest.
-/// So a client that sends a request at once is served, however many others never do. Viewers (WebSockets and
-/// streams of images) stay until they go, and are few enough to leave room.
+/// At the limit, a new connection is accepted if another connection can be closed for it: a connection that
+/// waits for a request (idle, or with part of a request received), or whose answer takes longer than
+/// kSendPatience_s. The address with most connections loses a connection first; among equals, the connection
+/// that has been in its state for longest is closed. If there is no candidate, an address with many
+/// connections loses the connection whose answer takes longest, if that takes longer than
+/// kSendPatienceWithMany_s. So a client that sends its request at once is served, no matter how many clients
+/// send none. Viewers (WebSockets and image streams) are never closed for a new connection; instead, their
+/// number is limited.
 ///
-/// A part of the connections is kept for trusted addresses: strangers never have all of them.
+/// Part of the connections is reserved for trusted addresses: strangers can never use all of them.
 ///
-/// What waits in memory for clients is bounded too: answers, images and messages until they are taken, bodies
-/// of requests until they have come. All of strangers together, that of one address, and all of trusted
-/// addresses have a limit. When there is too much, a client that moves no byte for kSendPatience_s is closed,
-/// first of the address that has most; for an address with much, kSendPatienceWithMany_s is enough unless it
-/// is a viewer. Where nobody is so slow, the newest is refused.
+/// Memory for data that waits for clients is limited too: unsent answers, images and messages, and bodies of
+/// requests still being received. There is a limit for all strangers together, for each stranger's address,
+/// and for all trusted addresses together. Above a limit, a client that has transferred no byte for
+/// kSendPatience_s is closed, beginning with the address that holds most memory. For an address that holds
+/// much memory, kSendPatienceWithMany_s suffices unless the client is a viewer. If no client is that slow,
+/// the new data is refused.
 ///
-/// Seats may be given back from any thread; everything else is for the socket's thread.
+/// Seats may be released from any thread; all other functions are for the socket's thread.
 class Connections {
  public:
   using Clock = std::function<double()>;  // steady, s
@@ -40,18 +43,19 @@ class Connections {
   static constexpr std::size_t kMaxUnsentBytes = std::size_t{12} << 20U,
                                kMaxUnsentBytesOfAddress = std::size_t{8} << 20U,
                                kMaxUnsentBytesOfTrusted = std::size_t{24} << 20U;
-  /// As much each connection may have, so that who only asks whether all is well always gets an answer.
+  /// Every connection may always hold this much, so that health checks are always answered.
   static constexpr std::size_t kAlwaysSentBytes = 16 * 1024;
 
   class Seat;
 
-  /// `max`: connections at once, viewers included. `unsent`: counts what was dropped because too much waits.
+  /// `max`: connections at once, viewers included. `unsent`: counts answers, messages and
+  /// requests that are dropped because too much data waits.
   Connections(int max, Clock now_s, std::atomic<std::uint64_t>& unsent);
   Connections(const Connections&) = delete;
   Connections& operator=(const Connections&) = delete;
 
-  /// A seat for a connection from this address, which must not outlive this; null when there is no room, with
-  /// the reason for the client in `problem`.
+  /// Returns a seat for a connection from this address; it must not outlive this object. Null if there is no
+  /// room; `problem` then has the reason for the client.
   std::shared_ptr<Seat> admit(const std::string& address, bool is_trusted, std::string& problem);
 
  private:
@@ -59,18 +63,19 @@ class Connections {
 
   // With mutex_ held:
   std::size_t count(const std::function<bool(const Seat&)>& which) const;
-  /// Null: none can go whose network has so many. `patience_s`: how long an answer may be on its way.
+  /// Null if no network with at least `min_of_network` connections has a connection that can be closed.
+  /// `patience_s`: how long sending an answer may take.
   Seat* most_dispensable(const std::function<bool(const Seat&)>& which, double patience_s,
                          std::size_t min_of_network) const;
-  /// Null: none of these has moved nothing for so long.
+  /// Null if no connection has stalled for `patience_s`.
   Seat* slowest(const std::function<bool(const Seat&)>& which, double patience_s,
                 std::size_t min_bytes_of_network) const;
-  std::function<void()> leave(Seat& seat);  // returns what closes it, to be called without the mutex
+  std::function<void()> leave(Seat& seat);  // returns a function that closes it: call without mutex_
   void count_in(Seat& seat);
   void count_out(Seat& seat);
   void set_unsent_bytes(Seat& seat, std::size_t bytes);
 
-  /// `large_bytes`: that wait for seats with more than kAlwaysSentBytes.
+  /// Sums over seats. `large_bytes`: waiting bytes of the seats that hold more than kAlwaysSentBytes.
   struct Sums {
     std::size_t seats = 0, large_bytes = 0;
   };
@@ -80,13 +85,13 @@ class Connections {
   const std::size_t max_;
   const Clock now_s_;
   std::atomic<std::uint64_t>& unsent_;
-  mutable std::mutex mutex_;  // guards what follows and what the seats have
-  std::list<Seat*> seats_;    // those in the same state for longest come first
-  Groups groups_;             // of these
-  Sums strangers_, trusted_;  // likewise
+  mutable std::mutex mutex_;  // guards the members below and those of the seats
+  std::list<Seat*> seats_;    // ordered: longest in its state first
+  Groups groups_;             // sums over seats_, by network
+  Sums strangers_, trusted_;  // sums over seats_
 };
 
-/// One connection's. Takes no room any more once it is gone or was told to close.
+/// One connection's seat. It counts until it is destroyed or told to close.
 class Connections::Seat : public std::enable_shared_from_this<Connections::Seat> {
  public:
   Seat(Connections& connections, std::string network, bool is_trusted);
@@ -94,22 +99,23 @@ class Connections::Seat : public std::enable_shared_from_this<Connections::Seat>
   Seat(const Seat&) = delete;
   Seat& operator=(const Seat&) = delete;
 
-  /// How the connection is closed when another needs the room. Called from within admit(); must not destroy
-  /// the seat.
+  /// Sets the function that closes this connection for the sake of another one. It is called from within
+  /// admit() or another seat's holds() and must not destroy the seat.
   void closes_by(std::function<void()> close);
 
-  /// What the connection does from now on.
-  void waits() { is(State::kWaits); }  // for a request, or for the rest of one
-  void works() { is(State::kWorks); }  // its request is being handled
-  void sends() { is(State::kSends); }  // the answer is on its way
+  /// Set the connection's state:
+  void waits() { is(State::kWaits); }  // for a request, or for the rest of a request
+  void works() { is(State::kWorks); }  // the request is being handled
+  void sends() { is(State::kSends); }  // the answer is being sent
 
-  /// Asks to stay open as a viewer. False when there are too many of these, with the reason in `problem`.
+  /// Asks to stay open as a viewer. False if there are too many viewers, with the reason in `problem`.
   bool stays(bool is_trusted, std::string& problem);
 
-  /// So many bytes are to wait in memory until the client takes them, or sends them. False when that is more
-  /// than before and too much: nothing has changed then, and `problem` says so. May close other connections.
+  /// Sets the number of bytes of memory for data that the client is still receiving or sending. May close
+  /// other connections. False if the number would grow beyond a limit: nothing has changed then, and
+  /// `problem` has the reason.
   bool holds(std::size_t bytes, std::string& problem);
-  /// The client took or sent some of these: it is not the slowest.
+  /// Records that the client received or sent some of these bytes.
   void makes_progress();
 
  private:
@@ -123,7 +129,7 @@ class Connections::Seat : public std::enable_shared_from_this<Connections::Seat>
   State state_ = State::kWaits;
   double since_s_;
   std::size_t unsent_bytes_ = 0;
-  double unmoved_since_s_ = 0;  // the client has taken and sent nothing
+  double unmoved_since_s_ = 0;  // since then, the client has transferred nothing
   std::function<void()> close_;
   std::list<Seat*>::iterator place_;
   Groups::iterator group_;

@@ -8,15 +8,16 @@
 
 namespace sslv {
 
-/// What the server is doing, for any thread to read.
+/// The server's activity, readable from any thread.
 struct WebCounters {
   std::atomic<int> connections = 0;  // open now, viewers included
   std::atomic<int> viewers = 0;      // WebSockets open now
   std::atomic<std::uint64_t> jpegs_encoded = 0;
-  std::atomic<std::uint64_t> unsent = 0;  // answers and messages, because clients took nothing
+  std::atomic<std::uint64_t> unsent = 0;  // answers and messages dropped for slow clients
 };
 
-/// Counts one for as long as it lives. The counter must outlive it. `seat`: held as long.
+/// Adds `by` to a counter for its own lifetime. The counter must outlive it. `seat`: kept alive for the same
+/// time.
 class ScopedCount {
  public:
   explicit ScopedCount(std::atomic<int>& counter, std::shared_ptr<const void> seat = {}, int by = 1)

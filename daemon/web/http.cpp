@@ -28,11 +28,11 @@ std::string lower(std::string_view text) {
 }
 
 struct HostParts {
-  std::string name;  // in lower case, an IPv6 address without its brackets
+  std::string name;  // lower case; an IPv6 address without its brackets
   bool is_bracketed;
 };
 
-/// Of "name", "name:port", "[address]" or "[address]:port", and of nothing else.
+/// Parses "name", "name:port", "[address]" or "[address]:port"; nothing for any other text.
 std::optional<HostParts> host_parts(std::string_view host) {
   HostParts out{"", host.starts_with('[')};
   std::string_view rest;
@@ -61,7 +61,7 @@ std::optional<HostParts> host_parts(std::string_view host) {
 bool is_same_origin(std::string_view origin, std::string_view host) {
   if (origin.empty()) return true;
   const std::string site = lower(origin);
-  // A panel behind a proxy with TLS is https.
+  // The scheme is https if the panel is behind a proxy with TLS.
   for (const std::string_view scheme : {"http://", "https://"}) {
     if (site.starts_with(scheme)) return !host.empty() && site.substr(scheme.size()) == lower(host);
   }
@@ -110,7 +110,7 @@ std::string refusal_text(unsigned status, std::string_view text) {
 
 std::string network_of(const std::string& address) {
   in6_addr parsed{};
-  const std::string bare = address.substr(0, address.find('%'));  // a scope may follow: fe80::1%eth0
+  const std::string bare = address.substr(0, address.find('%'));  // without a scope, as in fe80::1%eth0
   if (inet_pton(AF_INET6, bare.c_str(), &parsed) != 1 || IN6_IS_ADDR_V4MAPPED(&parsed)) return address;
   std::fill(std::begin(parsed.s6_addr) + 8, std::end(parsed.s6_addr), std::uint8_t{0});
   std::array<char, INET6_ADDRSTRLEN> text{};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What the server looks at in every request before a handler does.
+// Checks of every request before a handler runs, and headers of every answer.
 
 #include <array>
 #include <string>
@@ -11,9 +11,9 @@
 
 namespace sslv {
 
-/// Every answer has these, also a refusal.
+/// Headers of every answer, refusals included.
 inline constexpr std::array<std::pair<const char*, const char*>, 3> kSecurityHeaders{{
-    // The panel loads nothing from elsewhere, and nobody else may frame it or run script in it.
+    // The panel loads nothing from other sites, and no other site may frame it or run scripts in it.
     {"Content-Security-Policy",
      "default-src 'self'; img-src 'self' blob: data:; connect-src 'self' ws: wss:; object-src 'none'; "
      "frame-ancestors 'none'; base-uri 'none'"},
@@ -21,23 +21,24 @@ inline constexpr std::array<std::pair<const char*, const char*>, 3> kSecurityHea
     {"Referrer-Policy", "no-referrer"},
 }};
 
-/// False when a browser sent the request from a page of another site: its Origin is not this server's Host.
-/// Other clients send no Origin; it is empty then.
+/// False if a page of another site sent the request: its Origin is not this server's Host. `origin` is empty
+/// for clients other than browsers, which send none.
 bool is_same_origin(std::string_view origin, std::string_view host);
 inline constexpr std::string_view kOtherSite = "this request comes from a page of another site";
 
-/// Whether a Host header names this computer: by an address, as localhost, by its host name (also with
-/// .local) or by one of `names`. A page of another site that has its own name lead here (DNS rebinding) does
-/// not. Empty is allowed: browsers always send one.
+/// Whether a Host header names this computer: by address, as localhost, by its host name (also with .local)
+/// or by one of `names`. False for a page of another site whose name was made to resolve to this computer
+/// (DNS rebinding). Empty is allowed: browsers always send one.
 bool is_own_name(std::string_view host, const std::vector<std::string>& names);
-/// What is said then.
+/// The text of the refusal if a Host header does not name this computer.
 std::string not_own_name(std::string_view host);
 
-/// A whole answer {"error": text} that closes the connection, for what is refused before it is known to be a
-/// request.
+/// Returns a complete answer {"error": text} that closes the connection, for input refused before it is known
+/// to be a request.
 std::string refusal_text(unsigned status, std::string_view text);
 
-/// For limits by address: an IPv6 network counts as one address, since everybody has many.
+/// The unit of limits per address: an IPv6 network (/64) counts as one address, since every client
+/// has many addresses.
 std::string network_of(const std::string& address);
 
 }  // namespace sslv

@@ -39,13 +39,13 @@ namespace {
 
 constexpr std::uint32_t kMaxHeaderBytes = 16 * 1024;
 constexpr std::chrono::seconds kRequestTimeout{20};       // from a request's first byte to its last
-constexpr std::chrono::seconds kLargeRequestTimeout{90};  // likewise, of a file that an admin sends
-constexpr int kMaxLargeBytes = 8 * 1024 * 1024;           // of these at once, but one always goes
-constexpr int kMaxSentFiles = 16;                         // at once: each holds a file open
+constexpr std::chrono::seconds kLargeRequestTimeout{90};  // the same for a file that an admin sends
+constexpr int kMaxLargeBytes = 8 * 1024 * 1024;  // sum over all large requests; one alone always fits
+constexpr int kMaxSentFiles = 16;                // sent at once; each keeps a file open
 constexpr std::chrono::seconds kAnswerTimeout{60};
 constexpr std::chrono::seconds kDrainTimeout{2};
-constexpr std::size_t kPieceBytes = 128 * 1024;  // of a file that is sent, and of other answers
-/// More in the kernel would hide for seconds that a slow client takes something.
+constexpr std::size_t kPieceBytes = 128 * 1024;  // chunk size for files and other answers
+/// A larger kernel buffer would hide for seconds that a slow client is still receiving bytes.
 constexpr int kMaxUnsentInKernel = 64 * 1024;
 
 std::string_view view(beast::string_view text) {
@@ -72,16 +72,16 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   /// Waits for the next request to begin.
   void wait() {
     seat_.waits();
-    if (!received_.empty()) return read_header();  // it came together with the last one
+    if (!received_.empty()) return read_header();  // received together with the previous request
     stream_.expires_after(kKeepAliveTimeout);
     asio::async_read(stream_, asio::dynamic_buffer(received_, kMaxHeaderBytes), asio::transfer_at_least(1),
                      [self = shared_from_this()](beast::error_code error, std::size_t) {
-                       if (!error) self->read_header();  // else gone, or silent for too long
+                       if (!error) self->read_header();  // else disconnected, or idle for too long
                      });
   }
 
   void read_header() {
-    // TLS, most likely: the end of a header would never come.
+    // Most likely TLS: the end of a header would never come.
     if (std::isalpha(static_cast<unsigned char>(received_.front())) == 0)
       return refuse(400, "not a valid HTTP request");
     stream_.expires_after(kRequestTimeout);
@@ -95,8 +95,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
                            });
   }
 
-  /// Beast reads the header to tell where the request ends and whether it asks for a WebSocket; all else is
-  /// httplib's.
+  /// Beast parses the header only to find the end of the request and WebSocket upgrades; httplib does the
+  /// rest.
   void read_body(std::size_t header_size) {
     http::request_parser<http::empty_body> parser;
     parser.header_limit(kMaxHeaderBytes);
@@ -120,7 +120,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
       if (const auto refusal = refuse_body(header)) return refuse(refusal->status, refusal->text);
     }
     if (body_size > kMaxBodyBytes) {
-      const int bytes = static_cast<int>(body_size);  // the largest that any route takes fits
+      const int bytes = static_cast<int>(body_size);  // fits: no route allows more
       if (context_.large_bytes > 0 && context_.large_bytes > kMaxLargeBytes - bytes)
         return refuse(503, "other large files are being sent; try again in a moment");
       large_.emplace(context_.large_bytes, nullptr, bytes);
@@ -135,7 +135,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
                                                                    std::size_t count) -> std::size_t {
       if (read_error) return 0;
       seat_.makes_progress();
-      return std::min(rest - count, kPieceBytes);  // as many are cleared for each piece that comes
+      return std::min(rest - count, kPieceBytes);  // each read first zero-fills this many
     };
     asio::async_read(stream_, asio::dynamic_buffer(received_), while_sent,
                      [self = shared_from_this(), size](beast::error_code read_error, std::size_t) {
@@ -143,7 +143,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
                      });
   }
 
-  /// Why no memory is taken for a body; the router asks the same again, of all requests.
+  /// Returns the reason to refuse a body before memory is allocated for it. The router makes the same checks
+  /// for all requests.
   std::optional<HeaderRefusal> refuse_body(const http::request_header<>& header) const {
     const std::string_view host = view(header[http::field::host]);
     if (!is_own_name(host, context_.gate.names())) return HeaderRefusal{403, not_own_name(host)};
@@ -167,7 +168,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
                                std::move(may));
   }
 
-  /// Method and address of the request that stands first in what was received.
+  /// Method and address of the first request in received_.
   std::pair<std::string_view, std::string_view> first_line() const {
     const std::string_view line = std::string_view(received_).substr(0, received_.find('\r'));
     const std::string_view method = line.substr(0, line.find(' '));
@@ -177,7 +178,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
   bool stays(std::string& problem) { return seat_.stays(context_.gate.is_trusted(remote_address_), problem); }
 
-  /// A worker answers the complete request that stands first in what was received.
+  /// Passes the complete request at the start of received_ to a worker.
   void handle(std::size_t size) {
     std::string following = received_.substr(size);
     received_.resize(size);
@@ -186,7 +187,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     const Speed speed =
         size > kLargeRequestBytes ? Speed::kTakesMemory : context_.router.speed_of(method, target);
     auto work = [self = shared_from_this(), request = std::exchange(received_, std::move(following))] {
-      if (self->context_.workers.stopped()) return;  // a strand hands out all that waits in it
+      if (self->context_.workers.stopped()) return;  // a strand runs everything in its queue
       HttpAnswer answer = self->context_.router.answer(request, self->remote_address_);
       asio::post(self->stream_.get_executor(),
                  [self, answer = std::move(answer)]() mutable { self->answer(std::move(answer)); });
@@ -200,8 +201,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
   void refuse(unsigned status, const std::string& text) { answer({refusal_text(status, text), false}); }
 
-  /// For asio::async_write(), whose handler keeps this alive: a client that takes something has time for the
-  /// rest.
+  /// Completion condition of asio::async_write(), whose handler keeps this object alive. A client that takes
+  /// some bytes gets more time for the rest.
   auto while_taken() {
     return [this](beast::error_code error, std::size_t) -> std::size_t {
       if (error) return 0;
@@ -224,7 +225,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     if (!seat_.holds(unsent_bytes(), problem)) answer_ = {refusal_text(503, problem), false};
     if (answer_.file) sent_file_.emplace(context_.sent_files);
     if (!answer_.stream) seat_.sends();
-    // What stands before a file goes with the head.
+    // The file's prefix is sent with the headers.
     const std::string_view before = answer_.file ? std::string_view(answer_.file->before) : "";
     const std::array<asio::const_buffer, 2> head{asio::buffer(answer_.bytes), asio::buffer(before)};
     asio::async_write(stream_, head, while_taken(),
@@ -245,8 +246,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
                     std::move(answer_.may_look));
   }
 
-  /// Piece by piece: a worker reads it, and none waits for the client. One that gets fewer bytes than the
-  /// head said knows that it has not got all.
+  /// Sends a file in chunks: a worker reads each chunk but never waits for the client. A client that receives
+  /// fewer bytes than the head announced knows that its file is incomplete.
   void send_file(std::uint64_t offset) {
     if (offset >= answer_.file->bytes) return send_after_file();
     asio::post(context_.workers, [self = shared_from_this(), offset] {
@@ -277,7 +278,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
                       });
   }
 
-  /// Closing while bytes are still coming would reset the connection, and the client might lose the answer.
+  /// Closing a connection that still receives bytes would reset it, and the client might lose the answer.
   void finish() {
     beast::error_code ignored;
     stream_.socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
@@ -297,11 +298,11 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   Connections::Seat& seat_;
   beast::tcp_stream stream_;
   std::string remote_address_;
-  std::string received_;              // of this request, and what came after it
-  std::optional<ScopedCount> large_;  // while this is a large one
+  std::string received_;              // this request, and bytes that followed it
+  std::optional<ScopedCount> large_;  // set while this request is large
   HttpAnswer answer_;
-  std::string piece_;                     // of a file that is sent
-  std::optional<ScopedCount> sent_file_;  // while one is
+  std::string piece_;                     // chunk of the file being sent
+  std::optional<ScopedCount> sent_file_;  // set while a file is being sent
   std::array<char, 4096> rest_;
   std::string ignored_;
 };

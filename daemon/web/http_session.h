@@ -17,25 +17,25 @@
 
 namespace sslv {
 
-/// What every connection needs of its server, which outlives it.
+/// The parts of the server that each connection uses; they outlive the connection.
 struct HttpContext {
   Gate& gate;
   const Router& router;
   WebSocketHub& websockets;
   CameraFeeds& feeds;
-  boost::asio::io_context& workers;  // handlers run here
-  boost::asio::io_context& quick;    // those that wait for nothing here
-  /// And those that take much memory by one worker, one after the other.
+  boost::asio::io_context& workers;  // for handlers
+  boost::asio::io_context& quick;    // for handlers that wait for nothing
+  /// For handlers that take much memory: one worker runs them one after the other.
   boost::asio::strand<boost::asio::io_context::executor_type>& one_by_one;
-  std::atomic<int>& large_bytes;  // of large requests that are received and answered now
-  std::atomic<int>& sent_files;   // that are sent now
+  std::atomic<int>& large_bytes;  // bytes of large requests being received and answered
+  std::atomic<int>& sent_files;   // files being sent
 };
 
-/// Serves one connection until it ends: requests one after the other, or a WebSocket or
-/// a stream of images once it asks for that.
-/// Reading and writing take place on the socket's own thread and wait for nobody; a worker sees complete
-/// requests only, so slow, idle and half-open clients cost memory but never a thread.
-/// `connection` holds `seat`.
+/// Serves one connection until it ends: requests one after the other, or a WebSocket or an image stream once
+/// the client asks for one.
+///
+/// The socket's own thread reads and writes without blocking; workers get complete requests only, so slow,
+/// idle and half-open clients cost memory but never a thread. `connection` holds `seat`.
 void serve_http(boost::asio::ip::tcp::socket socket, ScopedCount connection, Connections::Seat& seat,
                 const HttpContext& context);
 

@@ -63,7 +63,7 @@ class PictureStream : public std::enable_shared_from_this<PictureStream> {
  private:
   using Buffers = std::array<asio::const_buffer, 3>;
 
-  /// Only to learn when the client goes; whatever it says is let fall.
+  /// Reads only to detect that the client disconnects; discards what it sends.
   void read() {
     stream_.expires_never();
     stream_.async_read_some(asio::buffer(ignored_),
@@ -76,7 +76,7 @@ class PictureStream : public std::enable_shared_from_this<PictureStream> {
     if (left_) return;
     if (!may_look_()) return leave();
     std::string ignored;
-    if (!seat_.holds(message->size(), ignored)) return feed_.acknowledge(id_);  // the next one, perhaps
+    if (!seat_.holds(message->size(), ignored)) return feed_.acknowledge(id_);  // skip this image
     message_ = message;
     const std::span<const char> jpeg = jpeg_in(*message_);
     part_head_ = fmt::format(
@@ -87,7 +87,7 @@ class PictureStream : public std::enable_shared_from_this<PictureStream> {
   }
 
   void write() {
-    stream_.expires_after(kStallTimeout);  // of this step: a slow client is no dead one
+    stream_.expires_after(kStallTimeout);  // for each write: a slow client does not count as gone
     stream_.async_write_some(*unsent_,
                              [self = shared_from_this()](beast::error_code error, std::size_t size) {
                                if (error) return self->leave();
@@ -116,7 +116,7 @@ class PictureStream : public std::enable_shared_from_this<PictureStream> {
   Connections::Seat& seat_;
   beast::tcp_stream stream_;
   std::array<char, 1024> ignored_;
-  CameraFeed::Message message_;  // on its way, or null
+  CameraFeed::Message message_;  // being sent, or null
   std::string part_head_;
   std::optional<beast::buffers_suffix<Buffers>> unsent_;
   bool left_ = false;
@@ -129,7 +129,7 @@ void stream_pictures(asio::ip::tcp::socket socket, ScopedCount connection, Conne
   std::make_shared<PictureStream>(std::move(socket), std::move(connection), seat, feeds,
                                   feeds.of(wish.camera_id), std::move(may_look))
       ->start(wish.preview);
-} catch (const HttpError&) {  // the camera went just now: the stream ends before its first image
+} catch (const HttpError&) {  // the camera was just removed: the stream ends before its first image
 }
 
 }  // namespace sslv

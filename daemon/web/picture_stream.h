@@ -12,10 +12,10 @@
 
 namespace sslv {
 
-/// Sends images until the client goes, may not look any more or takes nothing for 30 s: the body of an
-/// answer of kStreamType, whose head is on its way. The next image is asked for when the one before has
-/// left, so that none waits for a slow link. Runs on the socket's thread alone; `feeds` must outlive it.
-/// `connection` holds `seat`.
+/// Sends images until the client disconnects, loses its access or receives nothing for 30 s. The images are
+/// the body of an answer of kStreamType, whose head is already being sent. Each image is requested after the
+/// previous image was sent, so that no image waits for a slow link. Runs on the socket's thread; `feeds` must
+/// outlive it. `connection` holds `seat`.
 void stream_pictures(boost::asio::ip::tcp::socket socket, ScopedCount connection, Connections::Seat& seat,
                      CameraFeeds& feeds, const StreamWish& wish, MayLook may_look);
 

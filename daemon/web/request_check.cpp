@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMaxMatchedBytes = 1024;
 
-/// Twice, they say two things, and it would depend on the reader which one counts.
+/// Headers that must not be repeated: parsers may differ in which of two values they use.
 constexpr http::field kGivenOnce[] = {
     http::field::authorization, http::field::content_encoding, http::field::content_length,
     http::field::content_type,  http::field::cookie,           http::field::expect,

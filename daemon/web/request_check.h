@@ -16,12 +16,13 @@ struct HeaderRefusal {
   std::string text;
 };
 
-/// Why the header of a request is refused before anything of it is used, or nothing. `bytes`: as it came.
+/// Returns the reason to refuse a request's header before any of it is used, or nothing. `bytes`: the header
+/// as received.
 ///
-/// Two libraries read it, Beast for where a request ends and httplib for what it is: what they may take for
-/// different things is refused. A header that decides something is given once, none goes on in a second line,
-/// and what httplib matches with std::regex, which recurses for every character, is short: the address, and
-/// every Range.
+/// Two libraries parse the header: Beast to find the end of the request, httplib to interpret it. Anything
+/// they might read differently is refused: repeated headers that decide something, and headers continued on a
+/// second line. The address and every Range must be short: httplib matches them with std::regex, which
+/// recurses for every character.
 std::optional<HeaderRefusal> check_header(const boost::beast::http::request_header<>& header,
                                           std::string_view bytes);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What a service shows the web server: rows of its route table, with handlers that make a Response of a
-// Request. HTTP itself stays in the server.
+// The interface of services to the web server: rows of the route table, with handlers that turn a Request
+// into a Response. Only the server handles HTTP itself.
 
 #include "base/json.h"
 #include "web/view.h"
@@ -29,18 +29,18 @@ struct Request {
   std::string method, path;                  // the path is decoded
   std::vector<std::string> matches;          // [0]: the path; then the groups of the route's pattern
   std::map<std::string, std::string> query;  // decoded
-  std::string_view body;                     // of the connection, until the handler returns
-  std::string address;                       // of the client
+  std::string_view body;                     // valid until the handler returns
+  std::string address;                       // the client's address
   std::string cookies;                       // the Cookie header
   std::string if_match;                      // the If-Match header; empty: none
-  std::stop_token stop{};  // the service ends: what only takes long need not come to its end
+  std::stop_token stop{};                    // stopped when the service ends: long work may be abandoned
 };
 
-/// A file that follows a response's head, as it was when it was opened.
+/// A file to send after a response's head, with the size that it had when it was opened.
 struct SentFile {
-  std::shared_ptr<const int> descriptor;  // closes it
+  std::shared_ptr<const int> descriptor;  // closed on destruction
   std::uint64_t bytes = 0;
-  std::string before{}, after{};  // sent around it
+  std::string before{}, after{};  // sent before and after the file
 };
 
 struct Response {
@@ -48,12 +48,12 @@ struct Response {
   std::string type;
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers{};
-  std::optional<StreamWish> stream{};  // images follow, of a route that streams; `type` is kStreamType
-  std::optional<SentFile> file{};      // follows, of a route that streams
-  bool only_tried = false;             // nothing was changed, whatever the method: no line of the audit log
+  std::optional<StreamWish> stream{};  // images follow; only for routes that stream, with `type` kStreamType
+  std::optional<SentFile> file{};      // a file follows; only for routes that stream
+  bool only_tried = false;             // nothing was changed, whatever the method: not in the audit log
 };
 
-/// Thrown by a handler to answer {"error": what()} with this status, and with what stands in `more` beside.
+/// Thrown by a handler to answer with this status and {"error": what()}, extended by the members of `more`.
 struct HttpError : std::runtime_error {
   HttpError(int http_status, const std::string& text, Json more_members = Json::object())
       : runtime_error(text), status(http_status), more(std::move(more_members)) {}
@@ -63,22 +63,23 @@ struct HttpError : std::runtime_error {
 };
 
 /// Called from several threads at once. May throw HttpError, SettingsError (answered with 422) and
-/// StorageError (507); anything else is answered with 500.
+/// StorageError (507); any other exception is answered with 500.
 using Handler = std::function<Response(const Request& request)>;
 
-/// What a route asks of the client.
+/// The permission that a route requires.
 enum class Needs {
   kByMethod,  // GET: May::kLook; others: May::kChange, and a Gate that is not locked
   kNothing,
   kChange,  // May::kChange, also while the Gate is locked
 };
 
-/// Whether a handler may wait for a camera, a disk or the network. Those that do not are served while all
-/// others hang. What takes much memory may wait, too, and one worker handles it, one after the other.
+/// Whether a handler may wait for a camera, a disk or the network. kAtOnce is served even while all other
+/// handlers hang. kTakesMemory: may wait, too, and takes much memory; one worker runs these handlers one
+/// after the other.
 enum class Speed { kMayWait, kAtOnce, kTakesMemory };
 
 inline constexpr std::size_t kMaxBodyBytes = 1024 * 1024;
-/// More of a body is not received from clients that may not change anything.
+/// Limit for clients that may not change anything.
 inline constexpr std::size_t kMaxStrangersBodyBytes = 16 * 1024;
 
 struct Route {
@@ -87,18 +88,18 @@ struct Route {
   Handler handle;
   Needs needs = Needs::kByMethod;
   Speed speed = Speed::kMayWait;
-  bool streams = false;  // images or a file may follow its response, which is the last of its connection then
-  /// Bytes of a request. More than kMaxBodyBytes only those may send who may change something, a few at once;
-  /// the pattern is the path itself then.
+  bool streams = false;  // images or a file may follow its response, which is then the last of its connection
+  /// Limit for the request's body. Above kMaxBodyBytes only clients that may change something are served, a
+  /// few at once, and the pattern must be the literal path.
   std::size_t max_body = kMaxBodyBytes;
 };
 
-/// A text that viewers may subscribe to by its name. It is made while somebody has.
+/// A text that viewers subscribe to by name. It is made only while it has subscribers.
 class Topic {
  public:
   virtual ~Topic() = default;
   virtual const char* topic_name() const = 0;
-  /// How often it is made.
+  /// Time between two updates.
   virtual std::chrono::milliseconds topic_period() const { return std::chrono::milliseconds(500); }
   /// Called from a thread that may wait.
   virtual Json topic_data() = 0;
@@ -110,33 +111,33 @@ Response json_response(const Json& json, int status = 200);
 Response text_response(std::string text, int status = 200);
 Response bytes_response(std::span<const std::uint8_t> bytes, const char* type = "application/octet-stream");
 
-/// Throws HttpError 404 with `name` when it is not there.
+/// Throws HttpError 404 naming `name` if it cannot be read or is not a plain file.
 SentFile open_file(const std::filesystem::path& file, const std::string& name);
-/// A file to be saved under this name, of a route that streams. It is sent piece by piece, as fast as the
-/// client takes it.
+/// A file to be saved under `name`, for a route that streams. It is sent in chunks, as fast as the
+/// client receives them.
 Response file_response(SentFile file, const char* type, const std::string& name);
 Response file_response(const std::filesystem::path& file, const char* type, const std::string& name);
 
-// ---- for handlers: what clients send
+// ---- for handlers: input from clients
 
-/// A whole number in min .. max from a path part or the query. Throws HttpError 400 naming `name`.
+/// Parses a whole number in min .. max from a path part or the query. Throws HttpError 400 naming `name`.
 int read_whole_number(std::string_view name, std::string_view text, int min, int max);
-/// Likewise, with a fraction.
+/// The same as read_whole_number() for a number with a fraction.
 double read_number(std::string_view name, std::string_view text, double min, double max);
-/// Likewise from the query; `fallback` when it does not say.
+/// Parses a whole number from the query like read_whole_number(); `fallback` if it is absent.
 int query_number(const Request& request, const std::string& name, int fallback, int min, int max);
-/// A choice of the query, by its place; the first when it does not say. Throws HttpError 400.
+/// Returns the index of the query's choice in `choices`; 0 if it is absent. Throws HttpError 400.
 std::size_t query_choice(const Request& request, const std::string& name,
                          const std::vector<std::string>& choices);
-/// "true" or "false"; false when the query does not say. Throws HttpError 400.
+/// Parses "true" or "false" from the query; false if it is absent. Throws HttpError 400.
 bool query_flag(const Request& request, const std::string& name);
 
-/// Strict JSON of limited depth, so that no client can exhaust the stack. Throws HttpError 400.
+/// Parses strict JSON of limited depth, so that no client can exhaust the stack. Throws HttpError 400.
 Json parse_json(std::string_view text);
-/// The request's body, likewise; an empty one is an empty object.
+/// Parses the request's body like parse_json(); an empty body is an empty object.
 Json body_json(const Request& request);
 
-/// Never throws for text that is not UTF-8 (a driver's message, say): such bytes are replaced.
+/// Never throws for text that is not UTF-8 (for example a driver's message): invalid bytes are replaced.
 std::string to_text(const Json& json);
 
 }  // namespace sslv

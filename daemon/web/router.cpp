@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <functional>
 #include <limits>
 #include <map>
 #include <regex>
@@ -51,14 +52,14 @@ class MemoryStream : public httplib::Stream {
   std::string answer_;
 };
 
-/// Of files that the panel's build has packed: beside NAME lies NAME.gz.
+/// Files that the panel's build compresses: NAME.gz beside NAME.
 constexpr std::pair<std::string_view, const char*> kPackedTypes[]{
     {".html", "text/html"},        {".js", "text/javascript"}, {".css", "text/css"},
     {".json", "application/json"}, {".svg", "image/svg+xml"},  {".webmanifest", "application/manifest+json"},
 };
 constexpr std::string_view kPacked = ".gz";
 
-/// Null when no file of this name is packed.
+/// Null if files of this type are not compressed.
 const char* packed_type(std::string_view path) {
   for (const auto& [ending, type] : kPackedTypes) {
     if (path.ends_with(ending)) return type;
@@ -66,15 +67,15 @@ const char* packed_type(std::string_view path) {
   return nullptr;
 }
 
-/// Whether "gzip" is among the codings that the client takes.
+/// Whether the client accepts gzip.
 bool takes_gzip(const std::string& accepted) {
   static const std::regex kGzip(R"((^|[\s,])gzip\s*(;\s*q=(1|0\.0*[1-9])[\d.]*\s*)?(,|$))",
                                 std::regex::icase);
   return std::regex_search(accepted, kGzip);
 }
 
-/// The packed file of the panel in the place of this one, if there is one. Only plain names, so that nothing
-/// outside of the panel's folder is even looked for.
+/// Returns the panel's compressed version of a file; empty if there is none. Accepts plain names only, so
+/// that nothing outside the panel's folder is even searched for.
 std::string packed_file(const std::filesystem::path& panel, const std::string& path) {
   static const std::regex kPlain(R"((/[\w-][\w.-]*)+)");
   const std::string name = path == "/" ? "/index.html" : path;
@@ -84,7 +85,7 @@ std::string packed_file(const std::filesystem::path& panel, const std::string& p
   return std::filesystem::is_regular_file(panel.string() + packed, ignored) ? packed : std::string();
 }
 
-/// Of the request that this thread is at. Not by httplib, which would copy it.
+/// Body of this thread's current request. Not passed through httplib, which would copy it.
 thread_local std::string_view body_of_request;
 
 Request request_of(const httplib::Request& request, const std::stop_token& stop) {
@@ -102,7 +103,7 @@ Request request_of(const httplib::Request& request, const std::stop_token& stop)
   return out;
 }
 
-/// Throws HttpError unless the client may do this now.
+/// Throws HttpError if the client may not do this at present.
 void admit(Gate& gate, const Route& route, const Request& request) {
   if (route.needs == Needs::kNothing) return;
   if (route.speed != Speed::kAtOnce) gate.refresh();
@@ -115,13 +116,13 @@ void admit(Gate& gate, const Route& route, const Request& request) {
   if (const std::string reason = gate.lock_reason(); !reason.empty()) throw HttpError(423, reason);
 }
 
-/// What the handler of the request that this thread is at wants to stream.
+/// The stream requested by the handler of this thread's current request.
 thread_local std::optional<StreamWish> wanted_stream;
-/// Or to send.
+/// The file requested by that handler.
 thread_local std::optional<SentFile> wanted_file;
-/// The answer is the packed file, or could have been.
+/// Whether the answer is the compressed file; whether a compressed file exists.
 thread_local bool is_sent_packed = false, may_be_packed = false;
-/// See Response.
+/// Response::only_tried of that handler's response.
 thread_local bool only_tried = false;
 
 void set_response(httplib::Response& to, Response&& from) {
@@ -135,7 +136,7 @@ void set_response(httplib::Response& to, Response&& from) {
   }
   wanted_stream = from.stream;
   wanted_file = std::move(from.file);
-  // Without a length of httplib's: it ends with the connection.
+  // httplib adds no length: the answer ends with the connection.
   to.set_content_provider(from.type, [](std::size_t, httplib::DataSink& sink) {
     sink.done();
     return true;
@@ -175,7 +176,7 @@ Server::HandlerResponse refuse_early(const Gate& gate, const httplib::Request& r
     set_error(response, 403, not_own_name(name));
     return Server::HandlerResponse::Handled;
   }
-  if (request.path.find('\0') != std::string::npos) {  // files would be looked for by what stands before it
+  if (request.path.find('\0') != std::string::npos) {  // the file lookup would stop at the zero byte
     set_error(response, 400, "the address has a zero byte in it");
     return Server::HandlerResponse::Handled;
   }
@@ -191,7 +192,7 @@ void answer_exception(const httplib::Request& request, httplib::Response& respon
   std::rethrow_exception(exception);
 } catch (const HttpError& error) {
   for (const auto& [name, value] : error.headers) response.set_header(name, value);
-  // The standard wants one; browsers ask for nothing by themselves with a scheme they do not know.
+  // The standard requires this header; browsers show no sign-in prompt for an unknown scheme.
   if (error.status == 401) response.set_header("WWW-Authenticate", "Session");
   set_error(response, error.status, error.what(), error.more);
 } catch (const SettingsError& error) {
@@ -203,7 +204,7 @@ void answer_exception(const httplib::Request& request, httplib::Response& respon
   set_error(response, 500, error.what());
 }
 
-/// Adds a text to what httplib refuses itself; refusals of handlers have their own.
+/// Adds a text to refusals by httplib itself; refusals by handlers have their own text.
 void explain_refusal(std::span<const Route> routes, const httplib::Request& request,
                      httplib::Response& response) {
   if (!response.body.empty()) return;
@@ -237,13 +238,13 @@ Server::Handler explain_missing_panel(const std::filesystem::path& directory) {
   };
 }
 
-/// Whatever was to change something, also when it was refused.
+/// Logs every write, including refused writes.
 void write_down(AuditLog& audit, const httplib::Request& request, const httplib::Response& response) {
   if (!is_read(request) && !std::exchange(only_tried, false))
     audit.add(request.remote_addr, request.method, request.target, response.status);
 }
 
-/// What a packed file is.
+/// Sets the headers of a compressed file.
 void describe_packed(const httplib::Request& request, httplib::Response& response) {
   if (response.status != 200) return;
   if (may_be_packed) response.set_header("Vary", "Accept-Encoding");
@@ -260,7 +261,7 @@ void set_caching(std::span<const Route> routes, const httplib::Request& request,
                  httplib::Response& response) {
   const bool is_route = std::any_of(routes.begin(), routes.end(),
                                     [&](const Route& route) { return request.path == route.pattern; });
-  // The build puts a hash of the content into the names under assets/; everything else keeps its name.
+  // The build puts a hash of the content into names under assets/; all other names stay the same.
   const bool has_hashed_name = response.status == 200 && request.path.starts_with("/assets/");
   const bool is_file = response.status == 200 && !is_route && !request.path.starts_with("/api/");
   response.set_header("Cache-Control", has_hashed_name ? "public, max-age=31536000, immutable"
@@ -272,8 +273,25 @@ void set_caching(std::span<const Route> routes, const httplib::Request& request,
 
 class Router::HttpServer : public Server {
  public:
-  using Server::process_request;  // what its sockets would call
+  /// The socket is never used, but httplib 0.18 sends no file of a server without one.
+  HttpServer() { svr_sock_ = INVALID_SOCKET - 1; }
+  using Server::process_request;  // normally called by httplib's sockets
 };
+
+namespace {
+
+/// process_request() of this computer's version of httplib; 0.18 also takes addresses.
+template <class HttpServer>
+bool process(HttpServer& server, MemoryStream& stream, const std::string& remote_address, bool& is_last,
+             const std::function<void(httplib::Request&)>& prepare) {
+  if constexpr (requires { server.process_request(stream, false, is_last, prepare); }) {
+    return server.process_request(stream, false, is_last, prepare);
+  } else {
+    return server.process_request(stream, remote_address, 0, std::string(), 0, false, is_last, prepare);
+  }
+}
+
+}  // namespace
 
 Router::Router(Gate& gate, std::vector<Route> routes, const std::filesystem::path& panel_directory,
                std::stop_token stop)
@@ -302,7 +320,7 @@ Router::Router(Gate& gate, std::vector<Route> routes, const std::filesystem::pat
     write_down(*audit_, request, response);
   });
   server_->set_keep_alive_timeout(kKeepAliveTimeout.count());
-  server_->set_keep_alive_max_count(std::numeric_limits<int>::max());  // only ever told: there is no limit
+  server_->set_keep_alive_max_count(std::numeric_limits<int>::max());  // only sent, not enforced
   httplib::Headers headers{{"Accept-Ranges", "none"}};
   for (const auto& [name, value] : kSecurityHeaders) headers.emplace(name, value);
   server_->set_default_headers(std::move(headers));
@@ -316,13 +334,13 @@ HttpAnswer Router::answer(std::string_view request, const std::string& remote_ad
   body_of_request = request.substr(std::min(request.size(), header_size));
   MemoryStream stream(request.substr(0, header_size), remote_address);
   bool is_valid = false, is_last = false, is_head = false;
-  std::string cookies;  // httplib's own request is gone when its answer is there
+  std::string cookies;  // httplib has destroyed its request when the answer is ready
   const auto prepare = [&](httplib::Request& parsed) {
     is_valid = true;
     is_head = parsed.method == "HEAD";
     cookies = parsed.get_header_value("Cookie");
     is_last |= streams(parsed.path);
-    if (is_last) {  // HTTP/1.0 need not say so
+    if (is_last) {  // makes httplib answer "close"; an HTTP/1.0 request need not ask for it
       parsed.headers.erase("Connection");
       parsed.set_header("Connection", "close");
     }
@@ -330,8 +348,9 @@ HttpAnswer Router::answer(std::string_view request, const std::string& remote_ad
     may_be_packed = !packed.empty();
     is_sent_packed = may_be_packed && takes_gzip(parsed.get_header_value("Accept-Encoding"));
     if (is_sent_packed) parsed.path = packed;
-    // What httplib would do about these can cost far more than the request: unpack a small body to gigabytes,
-    // send a large answer a thousand times, compress it. Bodies are JSON whatever they are said to be.
+    // httplib's handling of these headers can cost far more than the request itself: it would unpack a small
+    // body to gigabytes, send a large answer a thousand times, or compress it. Bodies are JSON, whatever type
+    // they declare.
     for (const char* name :
          {"Accept-Encoding", "Content-Encoding", "Content-Length", "Content-Type", "Expect", "Range"})
       parsed.headers.erase(name);
@@ -340,7 +359,7 @@ HttpAnswer Router::answer(std::string_view request, const std::string& remote_ad
   wanted_stream.reset();
   wanted_file.reset();
   is_sent_packed = may_be_packed = false;
-  const bool is_written = server_->process_request(stream, false, is_last, prepare);
+  const bool is_written = process(*server_, stream, remote_address, is_last, prepare);
   HttpAnswer answer{stream.take_answer(), is_written && is_valid && !is_last};
   if (wanted_stream && !is_head) {
     answer.stream = wanted_stream;
@@ -348,7 +367,7 @@ HttpAnswer Router::answer(std::string_view request, const std::string& remote_ad
   }
   if (!is_head) answer.file = std::move(wanted_file);
   wanted_file.reset();
-  // Now that what was made of it is gone, however long that took.
+  // Called at the end: everything made from the request is free now, no matter how long the handler ran.
   if (request.size() > kLargeRequestBytes) memory_was_used();
   return answer;
 }

@@ -21,45 +21,44 @@ namespace sslv {
 /// How long a connection is kept open for its next request.
 inline constexpr std::chrono::seconds kKeepAliveTimeout{75};
 
-/// A request of more takes memory: many times its bytes may be made of it.
+/// Larger requests count as memory-intensive: handling one may take many times its size.
 inline constexpr std::size_t kLargeRequestBytes = 64 * 1024;
 
 struct HttpAnswer {
-  std::string bytes;  // as they go onto the socket
+  std::string bytes;  // as written to the socket
   bool keep_alive = false;
-  std::optional<StreamWish> stream{};  // what follows these bytes until the client goes
-  MayLook may_look{};                  // or until it may not look any more
-  std::optional<SentFile> file{};      // what follows them, before the connection ends
+  std::optional<StreamWish> stream{};  // images follow these bytes until the client disconnects
+  MayLook may_look{};                  // the stream also ends when this returns false
+  std::optional<SentFile> file{};      // a file follows these bytes, then the connection ends
 };
 
-/// From a request's bytes to its answer's: cpp-httplib without its sockets. Routes come first to last, and
-/// what none of them matches is looked for among the panel's files. A file that the panel's build has packed,
-/// NAME.gz beside NAME, is sent so to clients that take it; nothing is packed here.
+/// Turns a request's bytes into its answer's: cpp-httplib without its sockets. Routes are tried from first to
+/// last, then the panel's files. If the panel's build has compressed a file (NAME.gz beside NAME), clients
+/// that accept gzip get the compressed file; the router compresses nothing.
 class Router {
  public:
-  /// `gate` must outlive the router. Without the panel's directory its address says how to build the panel.
-  /// `stop`: of all requests.
+  /// `gate` must outlive the router. Without the panel's directory, the panel's address explains how to build
+  /// the panel. `stop`: passed on with all requests.
   Router(Gate& gate, std::vector<Route> routes, const std::filesystem::path& panel_directory,
          std::stop_token stop = {});
   ~Router();
 
-  /// `request`: one complete request, header and body, without chunks, that passed check_header(). HEAD is
-  /// answered as GET. Writes from pages of another site, and requests by a name that is not this computer's,
-  /// are refused with 403. Every write is written down in the log (AuditLog). May be called from several
-  /// threads at once.
+  /// `request`: one complete request, header and body, not chunked, that passed check_header(). HEAD is
+  /// answered like GET. Writes from pages of other sites, and requests under a name that is not this
+  /// computer's, are refused with 403. Every write is logged (AuditLog). Thread-safe.
   HttpAnswer answer(std::string_view request, const std::string& remote_address) const;
 
-  /// Of the route that this method and address ask for.
+  /// Speed and body limit of the route for this method and address.
   Speed speed_of(std::string_view method, std::string_view target) const;
   std::size_t max_body_of(std::string_view method, std::string_view target) const;
 
-  /// Writes to the log what is due of requests that were refused (AuditLog): to be called now and then.
+  /// Logs the counts of refused requests that are due (AuditLog). Call it periodically.
   void write_audit() const { audit_->write_due(); }
 
  private:
   class HttpServer;
   bool streams(const std::string& path) const;
-  /// Null for one whose pattern is more than a path.
+  /// Finds only routes whose pattern is a literal path; else null.
   const Route* find(std::string_view method, std::string_view target) const;
 
   Gate& gate_;

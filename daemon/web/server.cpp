@@ -54,14 +54,15 @@ constexpr double kUnsentPeriod_s = 60;
   }
   const std::string problem = "/panel/address: \"" + address + "\" cannot be listened on (" +
                               error.message() + "); expected an address of this computer, or 0.0.0.0 for all";
-  // The card may get its address in a moment.
+  // The network card may get its address in a moment.
   if (error == boost::system::errc::address_not_available) throw BusyError(problem);
   throw SettingsError(problem);
 }
 
 using ReusePort = asio::detail::socket_option::boolean<SOL_SOCKET, SO_REUSEPORT>;
 
-/// `shares_port`: with another of our sockets, until that is closed.
+/// `shares_port`: another socket of this program has the same port; both may have it until the other one
+/// closes.
 tcp::acceptor listen(asio::io_context& io, const std::string& text, int port, bool shares_port = false) {
   error_code error;
   const auto address = asio::ip::make_address(text, error);
@@ -75,7 +76,7 @@ tcp::acceptor listen(asio::io_context& io, const std::string& text, int port, bo
   const tcp::endpoint endpoint(address, static_cast<std::uint16_t>(port));
   tcp::acceptor acceptor(io);
   acceptor.open(endpoint.protocol(), error);
-  // A restart need not wait for the connections of the run before to time out.
+  // Lets a restart bind the port before the previous run's connections time out.
   if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
   if (!error && shares_port) acceptor.set_option(ReusePort(true), error);
   if (!error) acceptor.bind(endpoint, error);
@@ -85,7 +86,7 @@ tcp::acceptor listen(asio::io_context& io, const std::string& text, int port, bo
   return acceptor;
 }
 
-/// Serves a context until it is stopped, whatever its handlers throw.
+/// Runs a context until it is stopped, even if handlers throw.
 void run_background(asio::io_context& context, const char* name) {
   become_background_thread(name);
   while (!context.stopped()) {
@@ -97,7 +98,7 @@ void run_background(asio::io_context& context, const char* name) {
   }
 }
 
-/// Takes connections at an address, which may change.
+/// Accepts connections at an address that can change.
 class Listener {
  public:
   using Serve = std::function<void(tcp::socket)>;
@@ -114,9 +115,9 @@ class Listener {
 
   std::uint16_t port() const { return port_; }
 
-  /// As WebServer::move_to().
+  /// See WebServer::move_to().
   std::function<void()> move_to(const std::string& address, int port) {
-    // The same port on all addresses can be had beside the one on 127.0.0.1 only while both allow it.
+    // The same port on 127.0.0.1 and on all addresses can be bound at once only if both sockets allow it.
     share_port(true);
     std::shared_ptr<tcp::acceptor> next;
     try {
@@ -151,7 +152,7 @@ class Listener {
     done.get_future().wait();
   }
 
-  /// Clients that the system has connected: closing the socket would reset them.
+  /// Serves clients that the kernel has already connected: closing the socket would reset them.
   void serve_those_that_wait() {
     error_code error;
     acceptor_.non_blocking(true, error);
@@ -164,12 +165,12 @@ class Listener {
 
   void accept() {
     acceptor_.async_accept([this](error_code error, tcp::socket socket) {
-      if (error == asio::error::operation_aborted) return;  // it listens elsewhere
+      if (error == asio::error::operation_aborted) return;  // it moved to another address
       if (!error) {
         serve_(std::move(socket));
         return accept();
       }
-      // Out of file descriptors, most likely: some will be free again.
+      // Most likely out of file descriptors; some will be freed.
       log::warning("web: a connection could not be accepted: {}", error.message());
       pause_.expires_after(kAcceptPause);
       pause_.async_wait([this](error_code stopped) {
@@ -180,12 +181,12 @@ class Listener {
 
   asio::io_context& io_;
   const Serve serve_;
-  tcp::acceptor acceptor_;  // of the thread that runs `io`
+  tcp::acceptor acceptor_;  // used by the thread that runs `io`
   std::atomic<std::uint16_t> port_;
   asio::steady_timer pause_;
 };
 
-/// Where handlers run: those of sockets, of requests, and of requests that wait for nothing.
+/// Executors of handlers: `io` for sockets, `workers` for requests, `quick` for requests that never wait.
 struct Executors {
   asio::io_context io{1};
   asio::io_context workers, quick{1};
@@ -200,7 +201,7 @@ struct ServerThreads {
   std::thread quick;
 };
 
-/// All that runs. Its destructor finishes the requests that are being handled and closes all connections.
+/// Everything that runs. The destructor finishes the requests being handled and closes all connections.
 class RunningServer {
  public:
   RunningServer(const WebParts& parts, const WebOptions& options, WebCounters& counters)
@@ -249,7 +250,7 @@ class RunningServer {
     std::string problem;
     auto seat = connections_.admit(address, gate_.is_trusted(address), problem);
     if (!seat) {
-      // Fits into the empty send buffer.
+      // Does not block: it fits into the empty send buffer.
       asio::write(socket, asio::buffer(refusal_text(503, problem)), ignored);
       return;
     }
@@ -258,7 +259,7 @@ class RunningServer {
     serve_http(std::move(socket), ScopedCount(counters_.connections, std::move(seat)), held, http_);
   }
 
-  /// Also what nobody adds to any more is to be written.
+  /// Runs periodically, so that counts are logged even without new requests.
   void write_audit() {
     audit_timer_.expires_after(kAuditPeriod);
     audit_timer_.async_wait([this](error_code stopped) {
@@ -269,7 +270,7 @@ class RunningServer {
     });
   }
 
-  /// At most a line a minute.
+  /// Logs at most one line a minute.
   void tell_unsent() {
     const std::uint64_t all = counters_.unsent;
     const double now_s = steady_s();
@@ -281,14 +282,14 @@ class RunningServer {
   }
 
   Gate& gate_;
-  std::stop_source stop_;  // of the requests that are being handled
+  std::stop_source stop_;  // for the requests being handled
   const Router router_;
   WebCounters& counters_;
 
   Connections connections_;
   std::atomic<int> large_bytes_ = 0, sent_files_ = 0;
-  // Connections live in the handlers that wait in these, so they end with them: after the hub and before
-  // what stands above.
+  // Handlers that are pending in these contexts own the connections, so connections are destroyed with the
+  // contexts: after the hub and before the members above.
   Executors executors_;
   CameraFeeds feeds_;
   WebSocketHub websockets_;

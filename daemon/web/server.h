@@ -17,12 +17,12 @@ namespace sslv {
 
 struct WebOptions {
   std::string address = "127.0.0.1";  // IPv4 or IPv6; "0.0.0.0" or "::" for all
-  int port = 8090;                    // 0: any free one
+  int port = 8090;                    // 0: any free port
   std::filesystem::path panel_directory;
   int max_connections = 512;
 };
 
-/// What the server asks others for.
+/// The objects that the server uses.
 struct WebParts {
   Gate& gate;
   ViewSource& views;
@@ -33,20 +33,20 @@ struct WebParts {
 /// The panel's HTTP and WebSocket server (docs/api.md), on one port and on threads of its own.
 class WebServer {
  public:
-  /// Listens when it returns. `parts` and `counters`, which it counts in, must outlive it. Throws
-  /// SettingsError naming /panel/address or /panel/port when it cannot listen there.
+  /// Listens on return. `parts` and `counters`, which it updates, must outlive it. Throws SettingsError
+  /// naming /panel/address or /panel/port if it cannot listen there.
   WebServer(const WebParts& parts, const WebOptions& options, WebCounters& counters);
   ~WebServer();  // stop()
 
-  /// Finishes the requests that are being handled, then closes all connections. Not for a handler.
+  /// Finishes the requests being handled, then closes all connections. Must not be called by a handler.
   void stop();
-  /// Begins that and does not wait for it: no request is handled any more, and those that are may end early
+  /// Starts stopping without waiting: no further request is handled, and requests in progress may end early
   /// (Request::stop).
   void ask_to_stop();
 
-  /// Makes ready to listen elsewhere; what it returns, which cannot fail, ends listening where it did until
-  /// then. Connections stay. One at a time, and not once it is stopped. Throws SettingsError as the
-  /// constructor does.
+  /// Opens a socket at another address. The returned function, which cannot fail, then listens on it instead
+  /// of the current one. Connections stay open. One move at a time, and none after stop(). Throws
+  /// SettingsError like the constructor.
   std::function<void()> move_to(const std::string& address, int port);
 
   /// The port it listens on.

@@ -10,13 +10,13 @@
 
 namespace sslv {
 
-/// Bounds what the kernel may hold back for a slow link: more would only be stale images and detections. A
-/// viewer works without it as well, just with more delay.
+/// Limits the bytes the kernel buffers for a slow link: more would only be stale images and detections.
+/// Viewers also work if setting this fails, with more delay.
 inline void limit_unsent_bytes(boost::asio::ip::tcp::socket& socket, int max_bytes = 16 * 1024) {
   setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &max_bytes, sizeof(max_bytes));
 }
 
-/// The other end's; an IPv4 address is written as one, also where it comes over an IPv6 socket.
+/// Address of the peer; an IPv4 address is written as such even if it arrives over an IPv6 socket.
 inline std::string remote_address(const boost::asio::ip::tcp::socket& socket) {
   boost::system::error_code ignored;
   const auto address = socket.remote_endpoint(ignored).address();

@@ -18,13 +18,13 @@ namespace sslv {
 
 namespace {
 
-constexpr std::size_t kPieceBytes = 256 * 1024;  // that are packed before it is looked whether to go on
+constexpr std::size_t kBytesPerCheck = 256 * 1024;  // bytes compressed between two checks for a stop request
 
 void refuse_when_stopped(const std::stop_token& stop) {
   if (stop.stop_requested()) throw std::runtime_error("the service ends");
 }
 
-/// Appends to `bytes`.
+/// Appends an archive to `bytes`.
 class TarWriter {
  public:
   TarWriter(std::string& bytes, std::time_t modified) : bytes_(bytes), modified_(modified) {
@@ -61,14 +61,14 @@ class TarWriter {
       begin(entry.name, entry.content.size());
       for (std::string_view left = entry.content; !left.empty();) {
         refuse_when_stopped(stop);
-        const std::string_view piece = left.substr(0, kPieceBytes);
+        const std::string_view piece = left.substr(0, kBytesPerCheck);
         check(archive_write_data(out_.get(), piece.data(), piece.size()));
         left.remove_prefix(piece.size());
       }
     }
   }
   void close() { check(archive_write_close(out_.get())); }
-  /// What was begun is not written to its end. (archive_write_fail() would lose memory.)
+  /// Leaves the archive unfinished. (archive_write_fail() would leak memory.)
   void leave() {
     is_over_ = true;
     archive_write_close(out_.get());
@@ -90,7 +90,7 @@ std::string tar_gz(const std::vector<TarEntry>& entries, std::time_t modified, c
   TarWriter out(bytes, modified);
   out.check(archive_write_add_filter_gzip(out.get()));
   out.check(archive_write_set_format_ustar(out.get()));
-  out.check(archive_write_set_bytes_in_last_block(out.get(), 1));  // no zeros behind the gzip's end
+  out.check(archive_write_set_bytes_in_last_block(out.get(), 1));  // no zeros after the gzip data
   out.open();
   out.add(entries, stop);
   out.close();
@@ -102,9 +102,9 @@ TarAround tar_around(const std::vector<TarEntry>& entries, const std::string& na
   constexpr std::size_t kRecord = 512;
   TarAround around;
   TarWriter out(around.before, modified);
-  // As ustar, but for what that cannot say: names above 100 bytes, files above 8 GiB.
+  // ustar, except for what it cannot store: names above 100 bytes, files above 8 GiB.
   out.check(archive_write_set_format_pax_restricted(out.get()));
-  out.check(archive_write_set_bytes_per_block(out.get(), 0));  // all is in `before` at once
+  out.check(archive_write_set_bytes_per_block(out.get(), 0));  // unbuffered: `before` is complete at once
   out.open();
   out.add(entries);
   out.begin(name, size);
@@ -133,15 +133,15 @@ Reader reader_of(std::string_view bytes, int (*support_filter)(archive*), int (*
   throw std::runtime_error(reason != nullptr ? reason : "its end is missing");
 }
 
-/// False at the end.
+/// False at the end of the archive.
 bool has_next(const Reader& in, archive_entry*& header) {
   const int result = archive_read_next_header(in.get(), &header);
   if (result != ARCHIVE_OK && result != ARCHIVE_EOF) refuse_archive(in);
   return result == ARCHIVE_OK;
 }
 
-/// The bytes of the file that the reader stands before, piece by piece: none of them made up. Libarchive
-/// would write the holes of a sparse file as zeros, of which a few bytes can say as many as they like.
+/// Passes the current file's bytes to `use` in chunks. Throws std::runtime_error, also for a file with holes:
+/// libarchive would expand the holes to zeros, and a few bytes in an archive can declare any number of zeros.
 template <class Use>
 void read_pieces(const Reader& in, const std::stop_token& stop, const Use& use) {
   for (std::uint64_t size = 0;;) {
@@ -158,9 +158,9 @@ void read_pieces(const Reader& in, const std::stop_token& stop, const Use& use) 
   }
 }
 
-/// Sees all bytes of an archive once, and that all its headers are plain files'. Of others (sparse files,
-/// attributes that say a file is one) libarchive makes lists without a bound, before anybody can ask it what
-/// it has found.
+/// Checks that all headers of an archive describe plain files; take() must receive all bytes of the archive
+/// once. For other entries (sparse files, attributes that declare a file as sparse), libarchive builds
+/// unlimited lists before its caller can examine the entry.
 class HeaderCheck {
  public:
   void take(std::string_view bytes) {
@@ -184,11 +184,12 @@ class HeaderCheck {
 
   void check() {
     is_over_ = header_.find_first_not_of('\0') == std::string::npos;
-    if (is_over_) return;  // what follows, libarchive does not read
+    if (is_over_) return;  // libarchive does not read what follows
     if (header_[kTypeAt] != '0' && header_[kTypeAt] != '\0')
       throw std::runtime_error(
           "it contains something that is not a plain file (`tar --format=ustar` packs only such)");
-    // Only what libarchive reads as the same number: otherwise it would find its headers elsewhere.
+    // Accepts only sizes that libarchive reads as the same number. Otherwise libarchive would find the next
+    // header at another place.
     std::string_view digits = std::string_view(header_).substr(kSizeAt, kSizeDigits);
     digits.remove_prefix(std::min(digits.find_first_not_of(' '), digits.size()));
     digits = digits.substr(0, digits.find_last_not_of(std::string_view(" \0", 2)) + 1);
@@ -200,11 +201,11 @@ class HeaderCheck {
   }
 
   std::string header_;
-  std::size_t content_bytes_ = 0;  // that come before the next header
+  std::size_t content_bytes_ = 0;  // bytes left before the next header
   bool is_over_ = false;
 };
 
-/// Also to the end of the compressed bytes, which a reader of the archive does not go to.
+/// Checks all compressed bytes, including bytes after the end of the archive, which read_tar_gz() would skip.
 void check_gz(std::string_view bytes, std::size_t max_bytes, const std::stop_token& stop) {
   const Reader in = reader_of(bytes, archive_read_support_filter_gzip, archive_read_support_format_raw);
   archive_entry* header = nullptr;
@@ -225,7 +226,7 @@ void check_gz(std::string_view bytes, std::size_t max_bytes, const std::stop_tok
 
 std::vector<TarEntry> read_tar_gz(std::string_view bytes, std::size_t max_bytes,
                                   const std::stop_token& stop) {
-  constexpr std::size_t kMaxEntries = 10'000;  // each takes room besides its bytes
+  constexpr std::size_t kMaxEntries = 10'000;  // each takes memory besides its bytes
   check_gz(bytes, max_bytes, stop);
   const Reader in = reader_of(bytes, archive_read_support_filter_gzip, archive_read_support_format_tar);
   std::vector<TarEntry> entries;
@@ -233,7 +234,7 @@ std::vector<TarEntry> read_tar_gz(std::string_view bytes, std::size_t max_bytes,
     const char* name = archive_entry_pathname(header);
     if (name == nullptr || archive_entry_filetype(header) != AE_IFREG || entries.size() == kMaxEntries)
       throw std::runtime_error("it contains something that is not a file");
-    // All that is unpacked fits, so a file that says it is larger is not all there.
+    // The unpacked archive fits into `max_bytes`, so a file that declares more is incomplete.
     const auto size = static_cast<std::uint64_t>(archive_entry_size(header));
     if (size > max_bytes) throw std::runtime_error(kSparse);
     TarEntry& entry = entries.emplace_back(TarEntry{name, {}});

@@ -12,26 +12,27 @@
 namespace sslv {
 
 struct TarEntry {
-  std::string name;  // its path in the archive
+  std::string name;  // path in the archive
   std::string content;
 };
 
-/// The bytes of a .tar.gz with these files. Throws std::runtime_error once it is told to stop.
+/// Returns a .tar.gz of these files. Throws std::runtime_error when stopped.
 std::string tar_gz(const std::vector<TarEntry>& entries, std::time_t modified,
                    const std::stop_token& stop = {});
 
-/// What stands in a .tar around the bytes of its last file.
+/// The bytes of a .tar before and after the content of its last file.
 struct TarAround {
   std::string before, after;
 };
 
-/// Of a .tar with these files and a last one of so many bytes, which is too large to be held in memory.
+/// Returns the bytes around the last file of a .tar of these files and a last file of `size` bytes, which is
+/// too large to hold in memory.
 TarAround tar_around(const std::vector<TarEntry>& entries, const std::string& name, std::uint64_t size,
                      std::time_t modified);
 
-/// The files of a .tar.gz, in its order. Takes no more memory than `max_bytes`, which is the most that the
-/// archive may have unpacked, and little for each file. Throws std::runtime_error with the reason where it
-/// has more, is none or not all of one, or holds anything but whole files. Also once it is told to stop.
+/// Returns the files of a .tar.gz in archive order. Takes at most `max_bytes` of memory, which limits the
+/// unpacked archive, and a little for each file. Throws std::runtime_error with the reason if the archive is
+/// larger, invalid, truncated or contains anything but whole plain files, and when stopped.
 std::vector<TarEntry> read_tar_gz(std::string_view bytes, std::size_t max_bytes,
                                   const std::stop_token& stop = {});
 

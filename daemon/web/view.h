@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What viewers see: numbered cameras' frames, each with what was found in it.
+// Data for viewers: frames of numbered cameras, each with its detections.
 
 #include "base/json.h"
 #include "base/params.h"
@@ -19,25 +19,25 @@
 
 namespace sslv {
 
-/// A processed frame as viewers see it. It holds a slot of the camera's ring: let go soon.
+/// A processed frame for viewers. It occupies a slot of the camera's ring: release it soon.
 struct View {
   std::uint64_t version = 0;         // see ViewSource::wait_view
-  std::shared_ptr<const void> hold;  // keeps the image's bytes where they are
+  std::shared_ptr<const void> hold;  // keeps the image's bytes valid
   ImageView image;
   std::uint32_t camera_id = 0;
   std::uint32_t frame_number = 0;
   double t_capture_s = 0;
-  Json detections;  // {"robots": [...], "balls": [...]} as docs/openapi.json has them
+  Json detections;  // {"robots": [...], "balls": [...]} as in docs/openapi.json
 
-  /// As docs/openapi.json's PreviewRegions; not set when the camera's stack makes no runs.
+  /// PreviewRegions of docs/openapi.json; not set if the camera's stack makes no runs.
   std::function<Json()> regions;
 
-  /// Draws the labelled image into the buffer, where it then lies; not set when the camera's stack makes no
-  /// runs.
+  /// Draws the labelled image into the buffer; the returned view refers to it. Not set if the camera's stack
+  /// makes no runs.
   std::function<ImageView(std::vector<std::uint8_t>& buffer)> draw_labels;
 };
 
-/// Where views come from. May be asked from any thread.
+/// Source of views. Thread-safe.
 class ViewSource {
  public:
   virtual ~ViewSource() = default;
@@ -45,14 +45,14 @@ class ViewSource {
   /// Must not block: it is called from the thread that serves all sockets.
   virtual std::vector<std::uint32_t> camera_ids() const = 0;
 
-  /// The newest view of a camera once its version is newer than the given one (0: any); nothing after the
-  /// timeout, without an image yet, or when there is no such camera. Versions of a camera id start at 1 and
-  /// only grow, also across a reconnection.
+  /// Returns the camera's newest view once its version is newer than the given one (0: any); nothing on
+  /// timeout, while there is no image, or if there is no such camera. Versions of a camera id start at 1 and
+  /// only grow, also across reconnections.
   virtual std::optional<View> wait_view(std::uint32_t camera_id, std::uint64_t newer_than_version,
                                         std::chrono::milliseconds timeout) = 0;
 };
 
-/// What a viewer sees of a frame: the camera's own image or the labelled one.
+/// The image that a viewer sees of a frame: the camera's own or the labelled one.
 enum class PictureKind : std::uint8_t { kCamera, kLabels };
 
 inline constexpr std::array kPictureChoices{Choice<PictureKind>{"camera", PictureKind::kCamera},
@@ -68,28 +68,28 @@ constexpr std::string_view name_of(PictureKind kind) {
 struct Picture {
   PictureKind kind;
   ImageView image;
-  Chroma chroma;  // to be encoded with
+  Chroma chroma;  // for encoding
 };
 
-/// The image of a view that is wished for, or the camera's where nothing is labelled. A labelled one is
-/// drawn into `buffer`.
+/// Returns the wished image of a view, or the camera's image if there is no labelled image. A labelled image
+/// is drawn into `buffer`.
 inline Picture picture_of(const View& view, PictureKind wished, std::vector<std::uint8_t>& buffer) {
   if (wished == PictureKind::kLabels && view.draw_labels)
     return {wished, view.draw_labels(buffer), Chroma::kFull};
   return {PictureKind::kCamera, view.image, Chroma::kHalved};
 }
 
-/// What a viewer wants to see of a camera.
+/// A viewer's request for one camera's images.
 struct PreviewWish {
-  int width = 640;   // px, at most
-  int quality = 70;  // of the JPEG, 1..100
-  double fps = 30;   // at most
+  int width = 640;   // px, maximum
+  int quality = 70;  // JPEG quality, 1..100
+  double fps = 30;   // maximum
   PictureKind picture = PictureKind::kCamera;
-  bool regions = false;  // also those, in the header
+  bool regions = false;  // include the regions in the header
 };
 inline constexpr double kMinFps = 0.01, kMaxFps = 1000;
 
-/// A stream of one camera's images.
+/// A requested stream of one camera's images.
 struct StreamWish {
   std::uint32_t camera_id;
   PreviewWish preview;

@@ -29,9 +29,9 @@ namespace beast = boost::beast;
 
 namespace {
 
-constexpr std::chrono::milliseconds kLookPeriod{500};  // at the viewers themselves
+constexpr std::chrono::milliseconds kLookPeriod{500};  // between checks of the viewers
 constexpr std::chrono::seconds kHandshakeTimeout{10};
-constexpr std::chrono::seconds kSilenceTimeout{20};  // a viewer that answers no ping is gone
+constexpr std::chrono::seconds kSilenceTimeout{20};  // a viewer that answers no ping counts as gone
 constexpr std::size_t kMaxMessageBytes = 16 * 1024;
 constexpr int kMaxCameraId = std::numeric_limits<int>::max();
 
@@ -63,11 +63,11 @@ struct AckParams {
   }
 };
 
-/// A policy of Beast for how fast a stream may send: as fast as it can. Beast tells it of every part of a
-/// message that the client took, and nobody else.
+/// A Beast rate policy without a limit. Beast reports only to the rate policy how much of a message the
+/// client has received.
 class TellsProgress {
  public:
-  /// Weak: a ping may be on its way when the viewer has gone.
+  /// Weak: a ping may still be in flight after the viewer has gone.
   explicit TellsProgress(std::weak_ptr<Connections::Seat> seat) : seat_(std::move(seat)) {}
 
  private:
@@ -131,7 +131,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
 
   void start(const WebSocketHub::UpgradeRequest& request) {
     namespace websocket = beast::websocket;
-    // Not at once: it is called while messages are being handed out.
+    // Posted, because this is called while messages are being handed out.
     seat_.closes_by([weak = weak_from_this(), executor = stream_.get_executor()] {
       asio::post(executor, [weak] {
         if (const auto self = weak.lock()) self->leave();
@@ -151,12 +151,12 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     });
   }
 
-  /// What waits to be sent: one message of each kind and camera. A newer one takes the place of an older one,
-  /// so that a slow viewer skips messages and no queue grows. Where too much waits for all viewers together,
-  /// it is skipped as well.
+  /// Key of a message that waits to be sent. Only one message of each kind and camera or topic waits: a newer
+  /// one replaces an older one, so that a slow viewer skips messages and no queue grows. Messages are also
+  /// skipped while too much data waits for all viewers together.
   struct Slot {
     enum class Kind { kError, kTopic, kDetections, kPreview } kind;
-    std::uint32_t number = 0;  // of the topic or camera
+    std::uint32_t number = 0;  // index of the topic, or id of the camera
     bool operator==(const Slot&) const = default;
   };
 
@@ -175,7 +175,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     write();
   }
 
-  /// For a feed's thread: brings the message to the connection's own thread, if that is still open.
+  /// For a feed's thread: posts the message to the connection's thread if the connection is still open.
   CameraFeed::Sink sink(const Slot& slot) {
     return [weak = weak_from_this(), executor = stream_.get_executor(),
             slot](const CameraFeed::Message& message) {
@@ -201,7 +201,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     });
   }
 
-  /// A preview that nobody gets is not waited for.
+  /// Acknowledges a skipped preview, so that the feed does not wait for the client to acknowledge it.
   void skip(const Slot& slot) {
     if (slot.kind != Slot::Kind::kPreview) return;
     if (CameraFeed* feed = hub_.feeds_.find(slot.number)) feed->acknowledge(id_);
@@ -278,12 +278,12 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   const ScopedCount connection_;  // holds the seat
   Connections::Seat& seat_;
   const MayLook may_look_;
-  std::optional<ScopedCount> viewer_;  // once the handshake is done
+  std::optional<ScopedCount> viewer_;  // set once the handshake is done
   beast::websocket::stream<Stream> stream_;
   beast::flat_buffer incoming_;
   std::deque<Outgoing> outbox_;
-  CameraFeed::Message writing_;   // null: no write is under way
-  std::size_t unsent_bytes_ = 0;  // of these
+  CameraFeed::Message writing_;   // null: no write in progress
+  std::size_t unsent_bytes_ = 0;  // size of outbox_ and writing_ together
   std::vector<bool> wanted_topics_;
   bool wants_detections_ = false;
   bool left_ = false;
@@ -327,7 +327,7 @@ std::string WebSocketHub::follow_detections(WebSocketSession& session) {
     try {
       feeds_.of(camera_id).start_detections(session.id(), session.sink(slot));
     } catch (const HttpError&) {
-      // It was removed since its id was asked for.
+      // The camera was removed after its id was read.
     } catch (const std::exception& error) {  // no thread can start
       problem = fmt::format("no detections for viewers: {}", error.what());
     }
@@ -339,7 +339,7 @@ void WebSocketHub::send_topic_soon(WebSocketSession& session, std::size_t topic)
   if (const auto& message = last_messages_[topic]) {
     session.send({WebSocketSession::Slot::Kind::kTopic, static_cast<std::uint32_t>(topic)}, message);
   } else {
-    timer_.cancel();  // ticks at once
+    timer_.cancel();  // triggers a tick at once
   }
 }
 
@@ -350,7 +350,7 @@ void WebSocketHub::tick() {
     std::string problem;
     try {
       problem = look_at_sessions();
-    } catch (const std::exception& error) {  // whatever it is, the next tick must come
+    } catch (const std::exception& error) {  // the next tick must be scheduled after any error
       problem = error.what();
     }
     if (!problem.empty() && problem != last_problem_) log::error("web: {}", problem);
@@ -367,7 +367,7 @@ void WebSocketHub::tick() {
       topic_due_[topic] = {};
       continue;
     }
-    // A little early is in time: timers are never early themselves.
+    // A topic that is due within kEarly is made now, not in a tick of its own. Timers never fire early.
     constexpr std::chrono::milliseconds kEarly{2};
     if (now + kEarly >= topic_due_[topic]) {
       wanted[topic] = true;
@@ -391,7 +391,7 @@ std::string WebSocketHub::look_at_sessions() {
   std::string problem;
   for (const auto& [id, session] : sessions_) {
     if (!session->wants_detections()) continue;
-    const std::string own = follow_detections(*session);  // a camera may have been added
+    const std::string own = follow_detections(*session);  // includes cameras that were added
     if (problem.empty()) problem = own;
   }
   return problem;

@@ -25,39 +25,37 @@ namespace sslv {
 
 class WebSocketSession;
 
-/// What a plain request gets where a WebSocket is expected.
+/// Answers plain requests at the WebSocket's address.
 std::vector<Route> websocket_routes();
 
-/// All WebSocket viewers and what they are sent. Except for the counters and stop(), everything runs on the
-/// one thread of `io`.
+/// All WebSocket viewers and their messages. Except for the counters, everything runs on the one thread of
+/// `io`.
 class WebSocketHub {
  public:
   using UpgradeRequest = boost::beast::http::request<boost::beast::http::empty_body>;
   static constexpr std::string_view kPath = "/api/ws";
 
-  /// All must outlive the hub. The topics are asked for on `workers`.
+  /// All must outlive the hub. Topics are made on `workers`.
   WebSocketHub(boost::asio::io_context& io, boost::asio::io_context& workers, ViewSource& views,
                std::vector<Topic*> topics, CameraFeeds& feeds, WebCounters& counters);
 
-  /// Answers the request to upgrade and serves the viewer until it goes or may not look any more.
-  /// `connection` holds `seat`.
+  /// Completes the upgrade and serves the viewer until it disconnects or loses its access. `connection` holds
+  /// `seat`.
   void accept(boost::asio::ip::tcp::socket socket, ScopedCount connection, Connections::Seat& seat,
               const UpgradeRequest& request, MayLook may_look);
 
  private:
   friend class WebSocketSession;
 
-  /// What a plain request gets where a WebSocket is expected.
-  std::vector<Route> websocket_routes();
-
   void joined(WebSocketSession& session);
   void left(WebSocketSession& session);
-  /// Why detections of some cameras cannot be had now; empty: all of them can. A tick tries again.
+  /// Returns why detections of some cameras are unavailable at present; empty: all are available. A tick
+  /// retries.
   std::string follow_detections(WebSocketSession& session);
 
-  void tick();                     // while there are viewers: as often as what they want is made
-  std::string look_at_sessions();  // what follow_detections() says
-  /// By topic; null: nobody wants it, or it could not be had.
+  void tick();                     // runs while there are viewers, whenever a wanted topic is due
+  std::string look_at_sessions();  // returns the problem from follow_detections()
+  /// By topic; null: nobody wants it, or it could not be made.
   using TopicMessages = std::vector<CameraFeed::Message>;
   TopicMessages make_messages(const std::vector<bool>& wanted) const;
   void send_topics(TopicMessages messages);
@@ -73,7 +71,7 @@ class WebSocketHub {
   using Clock = std::chrono::steady_clock;
   bool ticking_ = false;
   Clock::time_point look_due_{}, next_tick_{};
-  std::string last_problem_;     // of the last look at the sessions
+  std::string last_problem_;     // from the last look_at_sessions()
   TopicMessages last_messages_;  // at most one period old
   std::vector<Clock::time_point> topic_due_;
   std::map<CameraFeed::ViewerId, WebSocketSession*> sessions_;

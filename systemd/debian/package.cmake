@@ -1,4 +1,5 @@
-# The packages: ssl-visiond, ssl-visiond-dev, ssl-visiond-stages-dev and, where EGL is there, ssl-visiond-gpu. Included by systemd/CMakeLists.txt.
+# The packages: ssl-visiond, ssl-visiond-dev, ssl-visiond-stages-dev and, if EGL is available, ssl-visiond-gpu.
+# Included by systemd/CMakeLists.txt.
 set(debian ${CMAKE_CURRENT_SOURCE_DIR}/debian)
 
 set(CPACK_GENERATOR DEB)
@@ -10,7 +11,7 @@ set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_PACKAGING_INSTALL_PREFIX ${CMAKE_INSTALL_PREFIX})
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_SOURCE_DIR}/build/package)
 set(CPACK_STRIP_FILES ON)
-# /etc is outside of the prefix.
+# /etc is outside the prefix.
 set(CPACK_SET_DESTDIR ON)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
   OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
@@ -23,9 +24,9 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_SERVICE_PACKAGE_NAME ssl-visiond)
 set(CPACK_DEBIAN_SERVICE_PACKAGE_SECTION misc)
 set(CPACK_DEBIAN_SERVICE_PACKAGE_SHLIBDEPS ON)
-# For its user, where systemd is not what the system starts with.
+# To create its user if systemd is not the init system.
 set(CPACK_DEBIAN_SERVICE_PACKAGE_DEPENDS "systemd | systemd-standalone-sysusers")
-# Times in packets are compared with those of other computers; udev gives cameras to the service.
+# Packet times are compared with the clocks of other computers; udev gives the service access to cameras.
 set(CPACK_DEBIAN_SERVICE_PACKAGE_RECOMMENDS "systemd-timesyncd | time-daemon, udev, dbus")
 set(CPACK_COMPONENT_SERVICE_DESCRIPTION
 "vision service for RoboCup Small Size League fields
@@ -61,7 +62,7 @@ own, a recorder, another marker. They are compiled for this version of it.")
 set(CPACK_DEBIAN_GPU_PACKAGE_NAME ssl-visiond-gpu)
 set(CPACK_DEBIAN_GPU_PACKAGE_SECTION misc)
 set(CPACK_DEBIAN_GPU_PACKAGE_SHLIBDEPS ON)
-# Its stage is compiled for this version of the service.
+# Its stage is compiled for exactly this version of the service.
 set(CPACK_DEBIAN_GPU_PACKAGE_DEPENDS "ssl-visiond (= ${PROJECT_VERSION}-1)")
 set(CPACK_DEBIAN_GPU_PACKAGE_RECOMMENDS "libgl1-mesa-dri | nvidia-driver")
 set(CPACK_COMPONENT_GPU_DESCRIPTION

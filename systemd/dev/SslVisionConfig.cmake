@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# find_package(SslVision) gives the target SslVision::proto: the league's messages, made from the .proto files by the
-# protobuf version of the program that is built. ${SslVision_PROTO_DIR} is where those files are.
+# find_package(SslVision) provides the target SslVision::proto: the league's messages, generated from the .proto files
+# with the protobuf version of the program that is built. Those files are in ${SslVision_PROTO_DIR}.
 get_filename_component(SslVision_PROTO_DIR "${CMAKE_CURRENT_LIST_DIR}/../../ssl-vision/proto" ABSOLUTE)
 include(CMakeFindDependencyMacro)
 find_dependency(Protobuf)

@@ -6,7 +6,7 @@
 
 namespace sslv::bench {
 
-/// The sum of `size` bytes, as fast as this CPU can read them: no segmentation can be faster.
+/// Sum of `size` bytes, as fast as this CPU can read them: a lower bound for segmentation time.
 std::uint64_t byte_sum(const std::uint8_t* data, std::size_t size);
 
 }  // namespace sslv::bench

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How exact calibration is, as a table in Markdown: pictures with cameras known exactly, robots on the field
-// and noise of sigma 4. Takes some minutes; with an argument of 1 or 2 the larger pictures are left out.
+// Calibration accuracy, as a table in Markdown: images of exactly known cameras, with robots on the field and
+// noise of sigma 4. Takes some minutes; an argument of 1 or 2 leaves the larger images out.
 #include "calibration/calibrate.h"
 #include "calibration/refine_jointly.h"
 #include "calibration/way_round.h"
@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::array kSizeNames{"780x580", "1280x1024", "2448x2048"};
 
-/// Values of one kind, and what is said of them.
+/// Values of one kind; text() gives "median (maximum)".
 class Figures {
  public:
   void add(double value) { values_.push_back(value); }
@@ -62,7 +62,7 @@ Shot take(const FloorSetting& setting, PaintedFloor floor) {
   return out;
 }
 
-/// Four corners or crossings in view, as somebody clicks at them, in any order.
+/// Four corners or crossings in view, clicked with noise of `sigma_px`, in random order.
 CalibrationTask clicked(const Shot& shot, FloorView view, double sigma_px, std::mt19937& random) {
   CalibrationTask task;
   task.field = shot.floor.field;
@@ -100,7 +100,7 @@ struct Run {
 };
 
 Run run(const Shot& shot, const CalibrationTask& task) {
-  const std::clock_t begin = std::clock();  // of the processor, whatever else it does
+  const std::clock_t begin = std::clock();  // CPU time: independent of other load
   Run out{calibrate(shot.picture, task), 1e6, 1e6, 0};
   out.seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   if (out.report.found) {
@@ -176,7 +176,7 @@ void four_clicks(int sizes) {
   }
 }
 
-/// What fields and lenses do to it.
+/// Accuracy by field and lens.
 void conditions(int sizes) {
   struct Condition {
     const char* name;
@@ -265,7 +265,7 @@ void no_clicks(int sizes) {
       std::fflush(stdout);
     }
   }
-  // Fields that are not of the given size must not be accepted.
+  // Fields of another than the given size must be rejected.
   Share wrong;
   for (const double scale : {0.9, 0.95, 1.05, 1.1}) {
     const Shot shot = take({0, FloorView::kHalf, 1.5, 0.08, 0}, {});
@@ -315,8 +315,7 @@ void wrong_clicks() {
       false_alarm.text().c_str());
 }
 
-/// Two cameras over the halves of a field whose lines are not where they should be, by themselves and
-/// together.
+/// Two cameras over the halves of a field whose lines are displaced, calibrated separately and jointly.
 void overlap() {
   std::printf(
       "\n| overlap of two cameras, 780x580, height within 10 mm | z = 0 apart, mm | together | z = 150 apart "

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the last seconds in memory and clips of them cost, as a table in Markdown: clip_table [FOLDER].
-// Threads that play cameras get images of noise at an even pace, look at each once as the segmentation does,
-// and put it into memory; the clip is written to FOLDER (the temporary one) meanwhile, by a thread of low
-// priority.
+// The cost of the image ring and of writing clips, as a table in Markdown: clip_table [FOLDER]. Threads
+// simulate cameras: each gets noise images at a fixed rate, reads each once like segmentation, and stores it
+// in the ring, while a low-priority thread writes the clip to FOLDER (default: the temporary folder).
 #include "base/background.h"
 #include "base/clock.h"
 #include "clips/clip_writer.h"
@@ -38,7 +37,7 @@ double thread_cpu_us() {
   return static_cast<double>(now.tv_sec) * 1e6 + static_cast<double>(now.tv_nsec) * 1e-3;
 }
 
-/// A camera's thread: what it costs to keep each of its images.
+/// A camera's thread; measures the cost of storing each image.
 class PlayedCamera {
  public:
   PlayedCamera(const Camera& camera, std::uint32_t id, std::size_t ring_bytes)
@@ -63,13 +62,13 @@ class PlayedCamera {
     thread_.join();
     thread_ = std::jthread([] {});
   }
-  /// Of each frame, us of its processor, after stop().
+  /// CPU time to store each frame, in us; valid after stop().
   std::vector<double> put_us;
-  std::uint64_t late = 0;  // frames that came when the one before was not done
+  std::uint64_t late = 0;  // frames due before the previous one was done
 
  private:
   void play(const std::stop_token& stop) {
-    // As many as a driver has, so that an image is not in the cache before it is looked at.
+    // As many buffers as a driver has, so that an image is not in the cache yet when it is read.
     std::vector<std::vector<std::uint8_t>> buffers(16);
     std::uint32_t chance = id_ + 1;
     for (auto& buffer : buffers) {

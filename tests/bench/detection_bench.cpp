@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What finding robots and balls costs: fits alone for each instruction set of this CPU, the whole stages, and
-// input that is meant to take long. Medians of many runs over a few pictures, one thread, microseconds.
+// The cost of detecting robots and balls: the fits alone for each instruction set of this CPU, the whole
+// stages, and worst-case input. Medians of many runs over a few images, one thread, in microseconds.
 #include "capture/simulator/simulator.h"
 #include "capture/simulator/simulator_camera.h"
 #include "colors/learn_colors.h"
@@ -28,7 +28,7 @@ namespace {
 
 constexpr int kPictures = 6, kRuns = 60;
 
-/// A camera over half of a field, as docs/accuracy.md has them.
+/// A camera over one half of a field, as in docs/accuracy.md.
 struct Setting {
   const char* name;
   int width, height, field_length, field_width;
@@ -95,7 +95,7 @@ std::vector<Picture> draw(const Setting& setting, PixelFormat format, const Scen
   return out;
 }
 
-/// The simulator's paints, as an admin would click at them.
+/// Samples of the simulator's paints at three brightnesses, as an admin would click.
 std::shared_ptr<const Lut> table() {
   const ColorSample paints[] = {{label::kOrange, {238, 108, 32}}, {label::kYellow, {224, 198, 38}},
                                 {label::kBlue, {28, 92, 196}},    {label::kPink, {230, 64, 150}},
@@ -111,7 +111,7 @@ std::shared_ptr<const Lut> table() {
   return std::make_shared<const Lut>(lut_from_samples(samples));
 }
 
-/// Those of the CPU's that the fits are compiled for, best first.
+/// Instruction sets of this CPU that the fits are compiled for, best first.
 std::vector<std::int64_t> targets() {
   std::vector<std::int64_t> out;
   for (const std::int64_t target : cpu_targets()) {
@@ -124,7 +124,7 @@ std::vector<std::int64_t> targets() {
 template <class Work>
 double median_us(std::size_t pictures, const Work& work) {
   std::vector<double> us;
-  for (int run = -2; run < kRuns; ++run) {  // the first ones only warm up
+  for (int run = -2; run < kRuns; ++run) {  // the first two runs warm up
     for (std::size_t i = 0; i < pictures; ++i) {
       const auto begin = std::chrono::steady_clock::now();
       work(i);
@@ -136,7 +136,7 @@ double median_us(std::size_t pictures, const Work& work) {
   return us[us.size() / 2];
 }
 
-/// 12 robots, 60 dots, one pass from where regions' centroids would start.
+/// 12 robots, 60 dots, one fit from about where the regions' centroids would start it.
 void bench_fits(const Lut& lut) {
   std::printf("\nFits of 12 robots (60 dots), by instruction set\n%-28s%-11s", "", "");
   for (const std::int64_t target : targets()) std::printf("%10s", name_of_target(target).c_str());
@@ -182,7 +182,7 @@ void bench_stages(const std::shared_ptr<const Lut>& lut) {
       const std::vector<Picture> pictures = draw(setting, format, scene, 11, 6);
       Stages stages;
       DetectRobots::Params no_memory;
-      no_memory.memory_ms = 0;  // the pictures have nothing to do with each other
+      no_memory.memory_ms = 0;  // the images are unrelated
       std::vector<RegionList> regions(pictures.size());
       std::vector<RobotList> robots(pictures.size());
       double found_robots = 0, found_balls = 0;
@@ -209,7 +209,7 @@ void bench_stages(const std::shared_ptr<const Lut>& lut) {
   }
 }
 
-/// Squares of all print colours, dot sized, everywhere: every one might be a robot's.
+/// Dot-sized squares in all print colours everywhere: each might belong to a robot.
 void bench_hostile(const std::shared_ptr<const Lut>& lut) {
   const Setting& setting = kSettings[2];
   const Scene scene = scene_of(setting);
@@ -249,7 +249,7 @@ void bench_hostile(const std::shared_ptr<const Lut>& lut) {
   }
 }
 
-/// Colours from three pictures, with a calibration and without.
+/// Learning colours from three images, with and without a calibration.
 void bench_learning() {
   std::printf("\nLearning colours from three pictures, milliseconds\n%-28s%-11s%14s%14s\n", "", "",
               "calibrated", "without");

@@ -17,16 +17,16 @@ namespace sslv::bench {
 namespace {
 
 using Color = std::array<double, 3>;                                // red, green, blue
-constexpr Color kDrawnCarpet{30, 92, 62}, kDrawnFloor{92, 88, 84};  // as the simulator has them
+constexpr Color kDrawnCarpet{30, 92, 62}, kDrawnFloor{92, 88, 84};  // the simulator's
 constexpr Color kCarpet{34, 98, 48}, kFloor{60, 60, 62};
-constexpr int kMinWidth = 780;  // width at which lengths are given
+constexpr int kMinWidth = 780;  // image width for which lengths are given, px
 
 Config demo() {
   std::ifstream in(source_path("/config/demo.json"));
   return read_config(Json::parse(in));
 }
 
-/// How much alike two colours' shares are: 1 for the same, 0 from `reach` on.
+/// Similarity of two colours' chromaticities: 1 when equal, 0 from distance `reach` on.
 double likeness(const Color& c, const Color& to, double reach) {
   const double sum = c[0] + c[1] + c[2], to_sum = to[0] + to[1] + to[2];
   if (sum < 1) return 0;
@@ -35,7 +35,7 @@ double likeness(const Color& c, const Color& to, double reach) {
   return std::clamp(1 - distance / reach, 0.0, 1.0);
 }
 
-/// Random values on a grid, smooth between them, of standard deviation about 1.
+/// Random values on a grid, interpolated smoothly, with a standard deviation of about 1.
 class Blotches {
  public:
   Blotches(int width, int height, double cell_px, std::mt19937& random)
@@ -52,7 +52,7 @@ class Blotches {
     const auto value = [&](int i, int j) {
       return static_cast<double>(values_[static_cast<std::size_t>((iy + j) * columns_ + ix + i)]);
     };
-    // Averages of neighbours vary by less than each of them.
+    // Interpolation averages neighbours, which reduces the variance: compensate.
     return 1.35 * ((value(0, 0) * (1 - tx) + value(1, 0) * tx) * (1 - ty) +
                    (value(0, 1) * (1 - tx) + value(1, 1) * tx) * ty);
   }

@@ -11,28 +11,28 @@
 
 namespace sslv::bench {
 
-/// A hall as they are: what the simulator's plain scene lacks.
+/// A realistic hall: what the simulator's plain scene lacks.
 struct HallKind {
   const char* name;
-  double carpet_texture;        // blotches of the carpet: standard deviation, as a share of its brightness
-  double floor_texture;         // the same of the floor
-  double lamps;                 // how far the lamps' unevenness takes the brightness up and down, as a share
-  double vignette;              // share by which the corners are darker
-  double noise_sigma;           // of each of red, green and blue, before they are mixed
-  std::array<double, 8> light;  // of the frames, in turn
+  double carpet_texture;        // carpet blotches: standard deviation relative to its brightness
+  double floor_texture;         // the same for the floor
+  double lamps;                 // amplitude of the lamps' unevenness, relative to the brightness
+  double vignette;              // relative darkening of the corners
+  double noise_sigma;           // of red, green and blue each, before mosaicing or conversion
+  std::array<double, 8> light;  // brightness of successive frames
 };
 inline constexpr HallKind kUsualHall{
     "usual", 0.115, 0.05, 0.15, 0.2, 4, {1, 0.88, 1.12, 0.95, 1.05, 0.9, 1.1, 1}};
 inline constexpr HallKind kHardHall{"hard", 0.16, 0.1, 0.2, 0.3, 5, {1, 0.75, 1.33, 0.85, 1.2, 0.8, 1.1, 1}};
 
-/// The demo's scene in such a hall: a carpet of (34, 98, 48), a dark grey floor.
+/// The demo's scene in such a hall, with a carpet of (34, 98, 48) and a dark grey floor.
 Recording draw_hall(const HallKind& hall, PixelFormat format, int width, int height, int frames);
 
-/// A table with margins: all brightnesses of carpet and floor up to 1.5 times the hall's own are clear, and
-/// brighter ones of the carpet's colour are "green"; other labels by their hues.
+/// A table with margins: carpet and floor are clear up to 1.5 times the hall's brightness; brighter carpet
+/// colour is "green"; other labels go by hue.
 std::shared_ptr<const Lut> lut_with_margins(const HallKind& hall);
 
-/// What learn_colors() learns from one of those pictures; none when it finds a problem.
+/// The table that learn_colors() learns from one of these images; null when it reports a problem.
 std::shared_ptr<const Lut> learnt_lut(const Recording& recording, int width, int height);
 
 }  // namespace sslv::bench

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Segmentation in halls as they are: a carpet with a texture, uneven lamps, every frame lit differently. One
-// thread, pictures cold; `segment`, the three passes and the reading of the bytes take turns.
+// Segmentation in realistic halls: carpet texture, uneven lamps, each frame lit differently. One thread,
+// images not in the cache; `segment`, the three passes and reading the bytes alternate.
 #include "byte_sum.h"
 #include "hall.h"
 #include "support/simd_target.h"
@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kDrawn = 8;
 
-/// More pictures than any cache holds.
+/// More images than fit into any cache.
 std::vector<std::vector<std::uint8_t>> copies(const Recording& drawn) {
   constexpr std::size_t kBytes = 96 << 20;
   std::vector<std::vector<std::uint8_t>> out;
@@ -40,7 +40,7 @@ double us_of(const Work& work) {
 }
 
 struct Times {
-  std::vector<double> us;  // of each drawn picture, the least
+  std::vector<double> us;  // the minimum for each drawn image
   explicit Times() : us(kDrawn, std::numeric_limits<double>::infinity()) {}
   void add(std::size_t picture, double t) { us[picture % kDrawn] = std::min(us[picture % kDrawn], t); }
   double mean() const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long a table in another light takes.
+// Time to convert a table to another light.
 #include "colors/table_in_light.h"
 #include "support/drawn_scene.h"
 

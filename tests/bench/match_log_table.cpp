@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What match logs cost, as a table in Markdown: match_log_table [LOG]. A match of two hours is made of LOG,
-// again and again; without one, of packets that this program makes.
+// The cost of match logs, as a table in Markdown: match_log_table [LOG]. Repeats LOG to make a match of two
+// hours; without LOG, uses generated packets.
 #include "base/error.h"
 #include "net/packets.h"
 #include "recording/match_log_index.h"
@@ -38,7 +38,7 @@ class Watch {
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
-/// A minute of four cameras at 60 Hz that see 22 robots which drive in circles, with a pixel's noise.
+/// One minute of four cameras at 60 Hz that see 22 robots driving in circles, with pixel noise.
 std::vector<LoggedMessage> drawn_minute() {
   std::vector<LoggedMessage> out;
   std::vector<std::byte> buffer;
@@ -75,7 +75,7 @@ std::vector<LoggedMessage> messages_of(const std::filesystem::path& log) {
   return out;
 }
 
-/// Bytes of what `gzip -6` makes of the same messages.
+/// Size in bytes of the same messages as `gzip -6` would compress them.
 class AllAtOnce {
  public:
   AllAtOnce() { deflateInit2(&zlib_, 6, Z_DEFLATED, 16 + MAX_WBITS, 8, Z_DEFAULT_STRATEGY); }

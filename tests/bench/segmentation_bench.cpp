@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Segmentation of one picture in one thread, against the classic three passes over a labelled picture and
-// against the mere reading of its bytes, all in one run. Google Benchmark's options apply (--help); at the
-// end the ratios are printed as they stand in docs/benchmarks.md.
+// Segmentation of one image in one thread, compared in the same run with the classic three passes over a
+// labelled image and with only reading its bytes. Accepts Google Benchmark's options (--help). Prints the
+// ratios at the end, in the format of docs/measured/speed.md.
 #include "byte_sum.h"
 #include "colors/learn_colors.h"
 #include "config/config.h"
@@ -31,7 +31,7 @@ namespace sslv::bench {
 namespace {
 
 constexpr const char* kTwoThreads = ", 2 threads";
-constexpr int kDrawn = 4;  // different pictures of each kind
+constexpr int kDrawn = 4;  // different images of each kind
 
 struct Size {
   int width, height;
@@ -55,7 +55,7 @@ const std::shared_ptr<const Lut>& demo_lut() {
   return lut;
 }
 
-/// A hall, and where the colour table comes from.
+/// A hall and the source of the colour table.
 struct Look {
   const char* hall;
   bool learnt;
@@ -67,7 +67,7 @@ Json options_of(const Look& look) {
   return {{"noise_sigma", 4}, {"hall", {{"kind", look.hall}}}};
 }
 
-/// The demo's classes of hues, or a table learnt from one picture in light 1.
+/// The demo's hue classes, or a table learnt from one image in light 1.
 std::shared_ptr<const Lut> lut_of(const Look& look, PixelFormat format, Size size) {
   if (!look.learnt) return demo_lut();
   Json options = options_of(look);
@@ -81,7 +81,7 @@ std::shared_ptr<const Lut> lut_of(const Look& look, PixelFormat format, Size siz
   return learnt.lut;
 }
 
-/// Size of the largest cache, as Linux tells it.
+/// Size of the largest cache, as reported by Linux.
 std::size_t cache_bytes() {
   std::size_t largest = 32 << 20;
   for (int i = 0; i < 5; ++i) {
@@ -92,7 +92,7 @@ std::size_t cache_bytes() {
   return largest;
 }
 
-/// Pictures to go through in turn, copies of few: for a cold start more than any cache holds.
+/// Copies of a few images, used in turn: with `cold`, more than fit into the cache.
 class Pictures {
  public:
   Pictures(const Recording& drawn, bool cold, std::shared_ptr<const Lut> lut) : lut_(std::move(lut)) {
@@ -126,8 +126,8 @@ Recording copy_of(const Recording& from) {
   return copy;
 }
 
-/// Every pixel (or pair or quad of pixels, as the format has it) becomes one of the first `colors` colours of
-/// interest with the given probability.
+/// Sets every pixel (or pair or quad, depending on the format) to one of the first `colors` colours of
+/// interest with probability `share`.
 Recording speckled(const Recording& from, double share, unsigned colors = 5) {
   constexpr Rgb kColors[] = {{70, 225, 90}, {240, 120, 40}, {230, 210, 40}, {30, 80, 200}, {235, 90, 170}};
   Recording copy = copy_of(from);
@@ -165,7 +165,7 @@ Recording random_bytes(const Recording& from) {
   return copy;
 }
 
-/// Instruction sets to measure: the best of this CPU and, as most field PCs have that, AVX2.
+/// Instruction sets to measure: the best of this CPU, and AVX2, which most field PCs have.
 std::vector<std::int64_t> targets() {
   const std::vector<std::int64_t> all = cpu_targets();
   std::vector<std::int64_t> chosen{all.front()};
@@ -175,7 +175,7 @@ std::vector<std::int64_t> targets() {
 
 using MakePictures = std::function<Pictures()>;
 
-/// The pictures of the benchmark that runs at present: those of all would not fit into memory.
+/// The current benchmark's images: those of all benchmarks would not fit into memory.
 Pictures& pictures_of(const std::string& kind, const MakePictures& make) {
   static std::string made_for;
   static std::unique_ptr<Pictures> made;
@@ -194,7 +194,7 @@ void time_segment(benchmark::State& state, std::int64_t target, const Segment::P
   const Mask mask;
   RunList runs;
   RegionList regions;
-  // So many that the boxes of the background have been grown for these pictures.
+  // Enough runs to grow the boxes of the background for these images.
   for (int i = 0; i < 40; ++i) segment.process(params, pictures.lut(), mask, pictures.next(), runs, regions);
   for (auto _ : state) segment.process(params, pictures.lut(), mask, pictures.next(), runs, regions);
   state.counters["runs"] = static_cast<double>(runs.runs.size());
@@ -213,7 +213,7 @@ void time_byte_sum(benchmark::State& state, Pictures& pictures) {
   for (auto _ : state) benchmark::DoNotOptimize(byte_sum(pictures.next().view().data, pictures.bytes()));
 }
 
-/// Registers what is measured for one kind of picture, under names "kind/what".
+/// Registers the benchmarks for one kind of image, named "kind/what".
 void add(const std::string& kind, const MakePictures& make, const Segment::Params& params) {
   const auto time = [&](const std::string& what, auto run) {
     benchmark::RegisterBenchmark((kind + "/" + what).c_str(),
@@ -239,8 +239,8 @@ void add(const std::string& kind, const MakePictures& make, const Segment::Param
   }
 }
 
-/// How long the longest of many frames takes while the table is edited ten times a second, and without: a
-/// table that another thread has made is swapped in between two frames.
+/// Worst time among many frames, with and without table edits ten times a second: a table made by another
+/// thread is swapped in between two frames.
 void print_worst_frames() {
   constexpr int kFrames = 1500, kFramesPerEdit = 7;
   std::cout << "\n| picture | table | median us | p99 us | worst us |\n|---|---|---|---|---|\n";
@@ -268,7 +268,7 @@ void print_worst_frames() {
   }
 }
 
-/// Shows progress as usual and keeps the least time of every benchmark.
+/// Reports progress as usual and keeps the minimum time of every benchmark.
 class Reporter : public benchmark::ConsoleReporter {
  public:
   void ReportRuns(const std::vector<Run>& runs) override {
@@ -283,7 +283,7 @@ class Reporter : public benchmark::ConsoleReporter {
     }
   }
 
-  /// As it stands in docs/benchmarks.md.
+  /// In the format of docs/measured/speed.md.
   void print_table() const {
     if (kinds_.empty()) return;
     std::cout << "\n| picture | three passes | reading |";
@@ -293,7 +293,7 @@ class Reporter : public benchmark::ConsoleReporter {
     for (std::size_t i = 0; i < targets().size(); ++i) std::cout << "---|---|---|";
     std::cout << '\n';
     for (const std::string& kind : kinds_) {
-      // With threads it is compared with one thread's three passes.
+      // Runs with threads are compared with the three passes in one thread.
       const std::string single = kind.substr(0, kind.find(kTwoThreads));
       const double passes = least(single + "/three passes"), reading = least(single + "/byte sum");
       std::cout << fmt::format("| {} | {:.0f} | {:.0f} |", kind, passes, reading);
@@ -306,13 +306,13 @@ class Reporter : public benchmark::ConsoleReporter {
   }
 
  private:
-  /// NaN for what a filter left out.
+  /// NaN for a benchmark that was filtered out.
   double least(const std::string& name) const {
     const auto found = min_us_.find(name);
     return found == min_us_.end() ? std::numeric_limits<double>::quiet_NaN() : found->second;
   }
 
-  std::vector<std::string> kinds_;  // in the order of their registration
+  std::vector<std::string> kinds_;  // in order of registration
   std::map<std::string, double> min_us_;
 };
 

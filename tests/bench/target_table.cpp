@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the CPU's sets of vector instructions make of the same images, as a table in Markdown: target_table
-// CLIP... Each clip is replayed as on CPUs that have no better ones, and compared with this CPU. Ends with 1
-// where anything differs.
+// Compares the results of the CPU's vector instruction sets on the same images, as a table in Markdown:
+// target_table CLIP... Replays each clip as on CPUs without the better sets and compares the results with
+// those of this CPU's best set. Exit code 1 on any difference.
 #include "replay/replay_clip.h"
 #include "support/simd_target.h"
 
@@ -30,7 +30,7 @@ struct Found {
 };
 
 struct Difference {
-  std::size_t regions = 0, ids = 0, balls = 0;  // frames with other ones
+  std::size_t regions = 0, ids = 0, balls = 0;  // frames in which they differ
   double robot_mm = 0, robot_rad = 0, ball_mm = 0, confidence = 0;
 };
 
@@ -52,7 +52,7 @@ bool same_regions(const RegionList& a, const RegionList& b) {
   });
 }
 
-/// Of what is found, by whom it is the same as: of equal confidence it may come in another order.
+/// Matches detections by identity: those of equal confidence may be in another order.
 template <class Thing, class IsSame, class Compare>
 bool compare_each(const std::vector<Thing>& here, const std::vector<Thing>& there, const IsSame& is_same,
                   const Compare& compare) {

@@ -106,7 +106,7 @@ void ThreePasses::connect() {
       run.parent = std::min(a, b);
     }
   }
-  // Every parent is earlier than its child: one more pass makes all of them roots.
+  // Every parent precedes its child, so one more pass points all runs at their roots.
   for (Run& run : runs_) run.parent = runs_[static_cast<std::size_t>(run.parent)].parent;
 }
 
@@ -118,7 +118,7 @@ void ThreePasses::extract() {
     const std::int64_t sum_x = std::int64_t{run.x + right} * run.width;
     const std::int64_t sum_y = std::int64_t{run.y} * run.width;
     if (run.parent == static_cast<std::int32_t>(i)) {
-      run.parent = static_cast<std::int32_t>(regions_.size());  // from here on: the region's number
+      run.parent = static_cast<std::int32_t>(regions_.size());  // from here on: the region's index
       regions_.push_back({run.label, run.width, run.x, run.y, right, run.y, sum_x, sum_y, 0, 0});
       continue;
     }

@@ -9,9 +9,9 @@
 
 namespace sslv::bench {
 
-/// What segmentation is measured against: the classic way in three passes over a labelled picture (Bruce,
-/// Balch, Veloso: Fast and Inexpensive Color Image Segmentation for Interactive Robots, IROS 2000), written
-/// plainly. The table has 64 Ki entries, as those in use have: YUV 4, 6, 6 bits; RGB 5, 6, 5.
+/// The reference for segmentation: the classic three passes over a labelled image (Bruce, Balch, Veloso: Fast
+/// and Inexpensive Color Image Segmentation for Interactive Robots, IROS 2000), without optimisation. Like
+/// those in use, the table has 64 Ki entries: YUV 4, 6, 6 bits; RGB 5, 6, 5.
 class ThreePasses {
  public:
   struct Run {
@@ -29,7 +29,7 @@ class ThreePasses {
 
   explicit ThreePasses(const Lut& lut);
 
-  /// Regions by label and falling area. Bayer pictures are read in quads.
+  /// Regions by label, then by decreasing area. Bayer images are read in quads.
   const std::vector<Region>& process(const ImageView& image);
 
  private:
@@ -41,7 +41,7 @@ class ThreePasses {
 
   std::vector<Label> yuv_, rgb_;
   int width_ = 0, height_ = 0;
-  std::vector<Label> map_;  // rows of width_ + 1: the last one ends every run
+  std::vector<Label> map_;  // rows of width_ + 1: the last pixel ends every run
   std::vector<Run> runs_;
   std::vector<Region> regions_;
 };

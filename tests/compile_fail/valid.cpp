@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The control: what the other files do wrong, done right. It must compile.
+// The control: the correct version of what the other files do wrong. It must compile.
 #include "base/snapshot.h"
 #include "pipeline/camera_stage.h"
 

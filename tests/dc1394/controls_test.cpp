@@ -100,7 +100,7 @@ TEST_F(IidcControls, ModesAreWhatTheFeatureOffers) {
   EXPECT_EQ(feature(DC1394_FEATURE_GAIN).values[0], 10U);
   EXPECT_EQ(refusal("gain_mode", "one_push"), "no error");
   EXPECT_EQ(controls_->get("gain").value, 77);
-  EXPECT_FALSE(has("brightness_mode"));  // it has but one
+  EXPECT_FALSE(has("brightness_mode"));  // it has only one mode
 }
 
 TEST_F(IidcControls, SwitchesAreFlags) {
@@ -143,7 +143,7 @@ TEST_F(IidcControls, TriggerHasAllItsParts) {
   EXPECT_EQ(trigger.source, DC1394_TRIGGER_SOURCE_SOFTWARE);
   EXPECT_EQ(trigger.polarity, DC1394_TRIGGER_ACTIVE_HIGH);
   EXPECT_TRUE(trigger.on);
-  EXPECT_FALSE(feature(DC1394_FEATURE_TRIGGER_DELAY).on);  // of the like name
+  EXPECT_FALSE(feature(DC1394_FEATURE_TRIGGER_DELAY).on);  // which has a similar name
 }
 
 TEST_F(IidcControls, SoftwareTriggerTakesAPicture) {

@@ -15,7 +15,7 @@ namespace sslv {
 inline constexpr std::uint64_t kGuid = 0x000a470112345678, kOtherGuid = 0x00b09d0100112233;
 inline constexpr const char* kGuidText = "000a470112345678";
 
-/// Pictures of `kGuid`'s camera, as its sensor sees them.
+/// Opens `kGuid`'s camera and reads frames of its simulated sensor.
 class IidcCamera : public testing::Test {
  protected:
   void SetUp() override {
@@ -40,7 +40,7 @@ class IidcCamera : public testing::Test {
     }
     return "no error";
   }
-  /// Does not wait: what is to come has been sent.
+  /// Does not wait: the frames have already been sent.
   static CaptureStatus next(Source& source, CapturedImage& image, std::string& problem) {
     image = {};
     return source.next(image, problem, std::chrono::milliseconds(0));

@@ -22,7 +22,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// Whether the picture is what the sensor saw; `left` and `top` are where it begins on the sensor.
+/// Checks that the image shows what the sensor saw; `left` and `top` are its origin on the sensor.
 void expect_scene(const ImageView& view, int number, int left = 0, int top = 0) {
   ASSERT_FALSE(view.empty());
   int wrong = 0;
@@ -64,7 +64,7 @@ TEST_F(IidcCamera, OpensTheWholeSensorInColourByItself) {
   EXPECT_EQ(fake_iidc::state_of(kGuid).speed, DC1394_ISO_SPEED_800);
 }
 
-/// Those of the fake camera's 16-bit pixels are what its 8 bits are not.
+/// The low bits of the fake camera's 16-bit pixels are the inverted top two of its 8 bits.
 void expect_low_bits(const ImageView& view, bool is_deep) {
   ASSERT_EQ(view.to_low_bits, is_deep ? std::ptrdiff_t{view.width} * view.height : 0);
   for (std::ptrdiff_t i = 0; i < view.to_low_bits; ++i)
@@ -213,7 +213,7 @@ TEST_F(IidcCamera, Without1394bThereIsNoSpeed800) {
   EXPECT_EQ(
       refusal({{"iso_speed", "800"}}),
       "camera \"000a470112345678\": iso_speed 800 refused: the camera takes 100, 200, 400; it has no 1394b");
-  // The recommended packets are made small enough for what the bus carries.
+  // The recommended packet size is limited to what the bus carries.
   EXPECT_EQ(refusal(Json::object()), "no error");
   EXPECT_EQ(fake_iidc::state_of(kGuid).format7.at(DC1394_VIDEO_MODE_FORMAT7_0).packet, 4096U);
 }
@@ -266,7 +266,7 @@ TEST_F(IidcCamera, IsFoundByItsGuidAlsoAfterAnotherCameFirst) {
   fake_iidc::plug_in(other);
   fake_iidc::plug_in(fake_iidc::league_camera(kGuid));
   const auto source = open({{"camera", "0x000A470112345678"}});
-  EXPECT_EQ(send(kOtherGuid), -1);  // that one was not started
+  EXPECT_EQ(send(kOtherGuid), -1);  // not started
   const int number = send(kGuid);
   expect_scene(next_picture(*source).image.view(), number);
 }
@@ -283,7 +283,7 @@ TEST_F(IidcCamera, CorruptPicturesAreSkipped) {
   const auto source = open({{"ring_frames", 3}});
   CapturedImage image;
   std::string problem;
-  for (int i = 0; i < 10; ++i) {  // more than the ring: they must go back
+  for (int i = 0; i < 10; ++i) {  // more than the ring: they must be returned to it
     send(kGuid, {.corrupt = true});
     EXPECT_EQ(next(*source, image, problem), CaptureStatus::kIncomplete);
   }
@@ -350,7 +350,7 @@ TEST_F(IidcCamera, TimeIsTheMiddleOfTheExposure) {
   const auto source = open({{"controls", {{"shutter_absolute", 0.010}}}});
   send(kGuid, {.timestamp_us = 1'700'000'000'250'000});
   const CaptureTimes times = next_picture(*source).times;
-  // Stamped as its first packet came, which is the end of the exposure.
+  // The timestamp is the arrival of the first packet, which is the end of the exposure.
   EXPECT_NEAR(times.t_capture_s, 1'700'000'000.245, 1e-6);
   ASSERT_TRUE(times.t_capture_sigma_s.has_value());
   EXPECT_LT(*times.t_capture_sigma_s, 1e-3);
@@ -375,7 +375,7 @@ TEST_F(IidcCamera, OtherDriversStampTheArrival) {
   fake_iidc::plug_in(camera);
   const auto source = open({{"controls", {{"shutter_absolute", 0.010}}}});
   send(kGuid, {.timestamp_us = 1'700'000'000'250'000});
-  // 780 x 580 x 2 bytes in packets of 6880 bytes, one each 125 us: 132 of them.
+  // 780 x 580 x 2 bytes in packets of 6880 bytes, one every 125 us: 132 packets.
   EXPECT_NEAR(next_picture(*source).times.t_capture_s, 1'700'000'000.245 - 132 * 125e-6, 1e-6);
 }
 
@@ -417,7 +417,7 @@ TEST_F(IidcCamera, PicturesOutliveTheSource) {
   }
   EXPECT_FALSE(fake_iidc::state_of(kGuid).sending);
   expect_scene(held.image.view(), number);
-  // The camera can be opened again meanwhile, although the old picture keeps its share of the bus reserved.
+  // The camera can be reopened although the old image still holds its share of the bus.
   const auto again = open();
   const int later = send(kGuid);
   expect_scene(next_picture(*again).image.view(), later);
@@ -447,7 +447,7 @@ TEST_F(IidcCamera, APictureHeldTooLongCostsPicturesButNoMore) {
     send(kGuid);
     next_picture(*source);
   }
-  send(kGuid);  // all wait for the one that is held
+  send(kGuid);  // all buffers wait behind the held one
   EXPECT_EQ(fake_iidc::counts().overflows, 1);
   expect_scene(held.image.view(), 0);
   held = {};

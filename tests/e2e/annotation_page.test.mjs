@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of an annotated picture: what is pointed at becomes a command, and the command does it. The page's script
-// runs here on the few parts of a document that it uses, so that the test needs no browser.
+// The page for annotating an image: clicks become a command, which is then run. The page's script runs here on a stub
+// of the few DOM parts that it uses, so no browser is needed.
 //   SSLV_CTL  the tool; default: the release build
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
@@ -25,7 +25,7 @@ after(() => rmSync(folder, { recursive: true }));
 const truth = () => JSON.parse(readFileSync(join(folder, 'truth.jsonl'), 'utf8'));
 const html = () => readFileSync(join(folder, 'truth_pages', 'frame_000000.html'), 'utf8');
 
-/** An element with as much as the page asks of one. */
+/** A stub element with the members that the page uses. */
 function element() {
   return {
     attributes: {}, children: [], listeners: {}, style: {}, textContent: '', value: '', isGone: false,
@@ -40,7 +40,7 @@ function element() {
   };
 }
 
-/** The page as it stands on disk, loaded. */
+/** Loads the page from disk. */
 function load() {
   const page = html();
   const data = /<script type="application\/json" id="data">(.*?)<\/script>/s.exec(page)[1];
@@ -65,7 +65,7 @@ function load() {
     marks: () => svg().all('g').filter(({ attributes }) => attributes['data-number'] > 0),
     choose: (choice) => { what = choice; },
     press: (name, [x, y]) => svg().happens(name, { clientX: 10 + (x + 0.5) / 2, clientY: 20 + (y + 0.5) / 2 }),
-    /** Runs what the page says as somebody who pastes it. */
+    /** Runs the command that the page shows, as if pasted into a shell. */
     run: () => execFileSync('bash', ['-c', byId('words').value.replace('ssl-visionctl', '"$0"'), CTL]),
   };
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// docs/openapi.json is the truth: the running service has these routes, and answers as it says.
+// The running service must match docs/openapi.json: it has these routes and its answers match.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { readFileSync, writeFileSync } from 'node:fs';
@@ -22,7 +22,7 @@ ajv.addSchema(openApi, 'openapi');
 const resolve = (part) =>
   part.$ref ? part.$ref.slice(2).split('/').reduce((at, key) => at[key.replaceAll('~1', '/')], openApi) : part;
 const escaped = (key) => key.replaceAll('~', '~0').replaceAll('/', '~1');
-/** Where in the file a route's answer is. */
+/** The path of a route's response within the file. */
 const place = (path, method, status) => `openapi#/paths/${encodeURIComponent(escaped(path))}/${method}/responses/${status}`;
 
 function checkJson(schemaPlace, value, what) {
@@ -32,7 +32,7 @@ function checkJson(schemaPlace, value, what) {
 
 const seen = new Set();
 
-/** Asks a route and checks that status, kind and shape of the answer are documented. */
+/** Sends a request and checks that the answer's status, content type and shape are documented. */
 async function ask(method, path, { parameters = {}, query = '', headers = {}, body, expect = 200 } = {}) {
   const operation = openApi.paths[path]?.[method];
   assert.ok(operation, `${method} ${path} is not documented`);
@@ -46,7 +46,7 @@ async function ask(method, path, { parameters = {}, query = '', headers = {}, bo
   seen.add(`${method} ${path} ${answer.status}`);
   seen.add(`${method} ${path}`);
 
-  // A status that any route may answer with is described once, in the file's introduction.
+  // A status that any route may return is described once, in the file's introduction.
   const documented = operation.responses[String(answer.status)];
   const reference = documented?.$ref ? `openapi${documented.$ref}` : place(path, method, answer.status);
   const response = documented ? resolve(documented) : resolve({ $ref: '#/components/responses/BadRequest' });
@@ -80,6 +80,12 @@ describe('the interface as docs/openapi.json says', () => {
     assert.deepEqual(await ask('get', '/api/openapi.json'), openApi);
   });
 
+  it('has the version of the service and of the newest entry of the changelog', async () => {
+    const { version } = await ask('get', '/api/status');
+    assert.equal(openApi.info.version, version);
+    assert.equal(/^## (\S+)/m.exec(readFileSync(join(root, 'CHANGELOG.md'), 'utf8'))[1], version);
+  });
+
   it('tells how it is', async () => {
     const status = await ask('get', '/api/status');
     assert.equal(status.cameras.length, 2);
@@ -106,7 +112,7 @@ describe('the interface as docs/openapi.json says', () => {
     assert.deepEqual(await ask('get', '/api/field/kicks'), { kicks: [] });
     const { numbers } = await ask('get', '/api/field/ball_model');
     assert.deepEqual(numbers.map(({ learnt }) => learnt), Array(6).fill(null));
-    // Nobody has kicked the simulated ball.
+    // Nobody has kicked the simulated ball yet.
     await ask('post', '/api/field/ball_model/accept', { expect: 409 });
   });
 
@@ -282,7 +288,7 @@ describe('the interface as docs/openapi.json says', () => {
 
     const { path } = await ask('post', '/api/images', { query: '?folder=hall&name=1.jpg', body: jpeg });
     await ask('post', '/api/images', { query: '?folder=hall&name=2.jpg', body: 'no image', expect: 422 });
-    // Its size is not where it must be, so nobody knows what memory it takes.
+    // The PNG header with the image size is not where it must be, so the memory that the image needs is unknown.
     const chunk = Buffer.from([0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0, 0, 0, 1, ...Buffer.from('tEXt'), 0, 0, 0, 0, 1, 0, 0, 0, 1]);
     await ask('post', '/api/images', { query: '?folder=hall&name=2.png', body: chunk, expect: 422 });
     const { folders } = await ask('get', '/api/images');
@@ -296,7 +302,7 @@ describe('the interface as docs/openapi.json says', () => {
 
   it('sets what a camera offers', async () => {
     const path = '/api/cameras/{camera}/controls/{control}';
-    // A simulated camera offers nothing; a recording is a player.
+    // A simulated camera has no controls; a recording has those of a player.
     await ask('get', '/api/cameras/{camera}/controls', { expect: 409 });
     await ask('post', path, { parameters: { control: 'speed' }, body: { value: 2 }, expect: 409 });
     const source = { backend: 'files', path: join(root, 'tests/golden/division_b.jpg'), loop: true, frame_rate_hz: 20 };
@@ -309,7 +315,7 @@ describe('the interface as docs/openapi.json says', () => {
     await ask('post', path, { parameters, body: { value: -2 }, expect: 422 });
     await ask('post', path, { parameters, body: 'no JSON', expect: 400 });
 
-    // Set and not saved: known, and set back.
+    // A control that is set and not saved is reported and can be reset.
     const speed = async () => (await ask('get', '/api/cameras/{camera}/controls', { parameters })).controls.find(({ name }) => name === 'speed');
     assert.deepEqual([(await speed()).value, (await speed()).unsaved], [2, true]);
     const isTold = ({ alerts, cameras }) => cameras[1].controls_unsaved === 1 && alerts.some(({ id, camera }) => id === 'controls_unsaved' && camera === 1);
@@ -322,7 +328,7 @@ describe('the interface as docs/openapi.json says', () => {
     assert.deepEqual([(await speed()).value, (await speed()).unsaved], [1, false]);
     await service.statusBecomes((now) => !isTold(now));
 
-    // A dry run sets nothing and does no action, also one of many beside changes that are made.
+    // A dry run sets no control and triggers no action, even among many requests while real changes are made.
     const ofCamera = (wanted) => [{ op: 'replace', path: '/cameras/1/source/controls', value: wanted }];
     const tryOut = () => ask('post', '/api/settings/check', { body: ofCamera({ speed: 3, step: true, paused: true }) });
     await Promise.all([...Array(8)].map(tryOut));
@@ -381,7 +387,7 @@ describe('the interface as docs/openapi.json says', () => {
     const { changes } = await ask('post', path, { body: [{ op: 'replace', path: '/site', value: 'Elsewhere' }] });
     assert.deepEqual(changes, [{ op: 'replace', path: '/site', before: before.settings.site, after: 'Elsewhere' }]);
     assert.deepEqual(await ask('post', path, { body: [] }), { changes: [] });
-    // The same line as PATCH has, also for what is only found when it is made ready.
+    // The same message as from PATCH, also for errors that are found only when the change is prepared.
     for (const change of [
       { op: 'replace', path: '/site', value: 7 },
       { op: 'replace', path: '/nowhere/x', value: 7 },
@@ -426,7 +432,7 @@ describe('the interface as docs/openapi.json says', () => {
     assert.deepEqual(wholly.settings, settings);
     assert.equal(wholly.revision, revision + 2);
 
-    // From another PC, checked; and after a restart.
+    // A profile imported from another PC is validated; profiles survive a restart.
     const imported = { parameters: { profile: 'imported' } };
     await ask('put', path, { ...imported, body: { settings: { ...settings, site: 7 } }, expect: 422 });
     await ask('put', path, { ...imported, body: { setings: settings }, expect: 400 });
@@ -535,7 +541,7 @@ describe('the interface as docs/openapi.json says', () => {
       assert.deepEqual(read(`camera_${id}/colors.lut`), await ask('get', '/api/cameras/{camera}/colors/table', { parameters: { camera: id } }));
     }
     await ask('get', '/api/support', { query: '?clip=none.clip', expect: 404 });
-    // It names each of its files, and no other.
+    // The README lists every file in the bundle, and no other.
     const packed = execFileSync('tar', ['-tzf', bundle]).toString().trim().split('\n').map((name) => name.slice(name.indexOf('/') + 1));
     const named = [...read('README.txt').toString().matchAll(/^([\w/]+\.\w+): /gm)].map(([, name]) => name);
     assert.deepEqual(packed.sort(), ['README.txt', ...named].sort());
@@ -558,7 +564,7 @@ describe('the interface as docs/openapi.json says', () => {
     await ask('post', path, { body: { frames: 1, height_mm: 4000 }, expect: 202 });
     await becomes(path, (value) => value.state === 'done');
     await ask('post', `${path}/reject`);
-    // Not done before it is asked for again.
+    // Does not finish before the next request.
     await service.patch({ op: 'replace', path: '/cameras/0/source/frame_rate_hz', value: 1 });
     await ask('post', path, { body: { frames: 100 }, expect: 202 });
     await ask('post', path, { body: {}, expect: 409 });
@@ -609,7 +615,7 @@ describe('the interface as docs/openapi.json says', () => {
     assert.equal((await ask('get', path)).may, 'look');
     assert.equal((await ask('post', path, { body: { password } })).may, 'change');
     assert.equal((await ask('delete', path)).may, 'look');
-    // All at once, as a try comes back after ten seconds; the right one may be among the first.
+    // All at once, as one attempt becomes available every ten seconds; a correct one may be among the first.
     const seen = new Set();
     await eventually(async () => {
       const wrong = Array.from({ length: 20 }, () => fetch(service.address('api/session'), { method: 'POST', body: '{"password":"wrong horse"}' }));

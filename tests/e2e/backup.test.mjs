@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A backup of one service, restored by another with a state folder of its own.
+// A backup of one service, restored by another with its own state folder.
 //   SSLV_CTL  the tool; default: the release build
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
@@ -36,12 +36,12 @@ async function ask(service, method, path, { body, headers, expect = 200 } = {}) 
 }
 const get = (service, path, options) => ask(service, 'GET', path, options);
 const post = (service, path, body, expect = 200) => ask(service, 'POST', path, { body, expect });
-/** The text of the settings, byte for byte. */
+/** The settings as text, for comparison byte for byte. */
 const settingsText = async (service) => JSON.stringify((await get(service, 'api/settings')).settings);
 const ctl = (service, ...words) => spawnSync(CTL, ['--daemon', service.address(''), ...words], { encoding: 'utf8' });
 
 const sumOf = (bytes) => createHash('sha256').update(bytes).digest('hex');
-/** All that lies in a folder: names, permissions, what the bytes are; but for what happened on this computer, which goes on. */
+/** All files in a folder: names, permissions and hashes, except the event log of this computer, which keeps growing. */
 function bytesOf(folder, at = folder, out = {}) {
   for (const entry of readdirSync(at, { withFileTypes: true })) {
     const path = join(at, entry.name);
@@ -50,7 +50,7 @@ function bytesOf(folder, at = folder, out = {}) {
   }
   return out;
 }
-/** What a backup brings that lies there as files. */
+/** Files that a backup restores. */
 const broughtFiles = (service) => Object.fromEntries(Object.entries(bytesOf(service.stateFolder))
   .filter(([name]) => /^(tables\/.*|profiles\.json|calibrations\.json)$/.test(name)).sort());
 
@@ -61,7 +61,7 @@ function partsOf(backup) {
   execFileSync('tar', ['-xz', '-C', folder], { input: backup });
   return new Map(execFileSync('tar', ['-tz'], { input: backup, encoding: 'utf8' }).trim().split('\n').map((name) => [name, readFileSync(join(folder, name))]));
 }
-/** With sums that are right, unless they are given. */
+/** With correct checksums unless `sums` is given. */
 function packed(parts, { sums } = {}) {
   const all = new Map(parts);
   all.set('SHA256SUMS', sums ?? [...all].filter(([name]) => name !== 'SHA256SUMS').map(([name, bytes]) => `${sumOf(bytes)}  ${name}\n`).join(''));
@@ -80,7 +80,7 @@ const changedJson = (parts, name, change) => changed(parts, name, (bytes) => {
   return Buffer.from(JSON.stringify(json));
 });
 
-/** Refused by both routes with a line like this, and nothing is other than it was. */
+/** Both routes refuse the backup with an error matching `line`, and nothing changes. */
 async function refuses(backup, line, status = 422) {
   const was = { files: bytesOf(spare.stateFolder), settings: await settingsText(spare) };
   for (const path of ['api/backup/check', 'api/backup/restore']) {
@@ -94,7 +94,7 @@ async function refuses(backup, line, status = 422) {
 describe('a backup', () => {
   let backup, bundle, port;
 
-  /** Everything there is to keep. */
+  /** Fills the service with everything that a backup contains. */
   before(async () => {
     port = await freeTcpPort();
     first.settings.panel.port = port;
@@ -144,7 +144,7 @@ describe('a backup', () => {
     assert.match(JSON.parse(readFileSync(file)).cameras[0].colors.table, /^[0-9a-f]{16}$/);
     const imported = ctl(first, 'settings', 'import', file);
     assert.deepEqual([imported.status, imported.stderr], [0, '']);
-    await first.stop(); // no two services have the same port, which is among the settings
+    await first.stop(); // two services cannot share the port that is in the settings
     await spare.start();
     const elsewhere = ctl(spare, 'settings', 'import', file);
     assert.equal(elsewhere.status, 1);
@@ -157,7 +157,7 @@ describe('a backup', () => {
     const parts = partsOf(backup);
     const sums = parts.get('SHA256SUMS');
     for (const name of parts.keys()) {
-      // Where its JSON stays JSON.
+      // In the JSON files, where the result is still JSON.
       const at = name.endsWith('.json') ? parts.get(name).indexOf('"time"') + 3 : parts.get(name).length >> 1;
       const tampered = changed(parts, name, (bytes) => {
         const copy = Buffer.from(bytes);
@@ -262,7 +262,7 @@ describe('a backup', () => {
     assert.deepEqual([restored.status, restored.stderr], [0, '']);
     assert.match(restored.stdout, new RegExp(`restored, revision ${revision + 1}; \`ssl-visionctl undo ${revision + 1}\``));
     await becomes(() => get(spare, 'api/events'), ({ entries }) => entries.some(({ id, title }) => id === 'backup_restored' && title.startsWith('Backup of Hall 3, Bordeaux restored: ')));
-    spare.settings.panel.port = port; // it is where the first one was
+    spare.settings.panel.port = port; // it took over the port of the first service
     const isTheSame = async () => {
       assert.equal(await settingsText(spare), wanted.settings);
       const [step, ...history] = await get(spare, 'api/settings/history');
@@ -281,7 +281,7 @@ describe('a backup', () => {
     await isTheSame();
     assert.equal((await get(spare, 'api/status')).alerts.filter(({ id }) => /settings/.test(id)).length, 0);
 
-    // The way back: what was here lies in the state folder, and the settings are one step of the history.
+    // Undo: the previous state is in the state folder, and the settings are one step of the history.
     const before = join(spare.stateFolder, 'before_restore.sslvision');
     const earlier = partsOf(readFileSync(before));
     assert.equal(JSON.stringify(JSON.parse(earlier.get('settings.json')).settings), own.settings);
@@ -295,7 +295,7 @@ describe('a backup', () => {
   });
 
   it('holds passwords only where somebody asks for them, and takes no password\'s place', async () => {
-    await spare.stop(); // connections to where it was stay with it
+    await spare.stop(); // open connections to its earlier port would still reach it
     await first.start();
     const setPassword = (service, password) => ask(service, 'PUT', 'api/passwords/admin', { body: { password } });
     const cookieOf = async (service, password, expect = 200) => {
@@ -313,7 +313,7 @@ describe('a backup', () => {
     assert.deepEqual([saved.status, saved.stderr], [0, `written to ${secret}\n`]);
     assert.equal(statSync(secret).mode & 0o777, 0o600);
     const hashes = readFileSync(join(first.stateFolder, 'passwords.json'));
-    // Nobody sends a large file who may not change anything.
+    // A client without permission to make changes cannot even send a large file.
     await ask(first, 'POST', 'api/backup/check', { body: Buffer.alloc(2 * MIB), expect: 401 });
     await first.stop();
     await spare.start();
@@ -343,7 +343,7 @@ describe('a backup', () => {
     await spare.start();
     const { error } = await ask(spare, 'GET', 'api/backup', { expect: 507 });
     assert.match(error, /^\/cameras\/0\/colors\/table: .*tables\/[0-9a-f]{16}\.lut is missing or damaged/);
-    // And a backup is what helps then.
+    // Restoring a backup repairs that.
     await post(spare, 'api/backup/restore', backup);
     await get(spare, 'api/backup');
     await spare.statusBecomes(({ alerts }) => !alerts.some(({ title }) => /colors\/table/.test(title)));

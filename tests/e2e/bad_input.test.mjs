@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a careless or hostile client of the network may send: each gets a clear refusal or a closed connection, and
-// all others are served meanwhile.
+// Input from careless or hostile network clients: each gets a clear refusal or a closed connection, while all other
+// clients are served.
 import assert from 'node:assert/strict';
 import { once } from 'node:events';
 import { readFileSync } from 'node:fs';
@@ -11,7 +11,7 @@ import { answerPings, becomes as looksUntil, createService } from './service.mjs
 
 const service = await createService('239.255.77.81');
 
-/** A connection with all that came over it so far. */
+/** A connection that collects the data received so far. */
 async function open() {
   const socket = connect(service.settings.panel.port, '127.0.0.1');
   socket.received = '';
@@ -21,7 +21,7 @@ async function open() {
   return socket;
 }
 
-/** What the service answers until it closes, or until `wanted` is in it. */
+/** The service's answer, until it closes the connection or `wanted` appears in the answer. */
 async function answerTo(request, wanted) {
   const socket = await open();
   socket.write(request);
@@ -32,7 +32,7 @@ async function answerTo(request, wanted) {
 
 const becomes = (condition, complaint) => looksUntil(condition, Boolean, () => complaint);
 
-/** Whether the service has a connection from this port of ours open, as the kernel says. */
+/** Whether the service has an open connection from our port, according to the kernel. */
 function isOpenInService(port) {
   const ESTABLISHED = '01';
   const address = (number) => `0100007F:${number.toString(16).toUpperCase().padStart(4, '0')}`;
@@ -40,7 +40,7 @@ function isOpenInService(port) {
   return readFileSync('/proc/net/tcp', 'latin1').includes(wanted);
 }
 
-/** It still answers. */
+/** The service still answers. */
 async function isWell() {
   const answer = await fetch(service.address('api/status'));
   assert.equal(answer.status, 200);
@@ -105,7 +105,7 @@ describe('bad input from the network', () => {
   it('is answered over a WebSocket, or ends it', async () => {
     const other = await viewer();
     const small = await viewer();
-    small.pause();  // a client that only talks
+    small.pause();  // a client that only sends
     for (let i = 0; i < 20_000; ++i) small.write(frame(TEXT, '{"nonsense": 1}'));
     const large = await viewer();
     for (let i = 0; i < 500; ++i) large.write(frame(TEXT, '['.repeat(16_000)));
@@ -118,7 +118,7 @@ describe('bad input from the network', () => {
     const oversized = await viewer();
     oversized.write(frame(TEXT, ' '.repeat(20_000)));
     await becomes(() => oversized.closed, 'too large a message does not end its connection');
-    const lying = await viewer();  // a frame of 2^63 bytes
+    const lying = await viewer();  // a frame with a length of 2^63 bytes
     lying.write(Buffer.from([0x81, 0xff, 0x7f, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0, 0, 0, 0]));
     await becomes(() => lying.closed, 'too large a frame does not end its connection');
     const unmasked = await viewer();
@@ -155,14 +155,14 @@ describe('bad input from the network', () => {
     console.log(`status beside 200 idle connections and a slow reader: median ${quantile(0.5)} ms, 99 % ${quantile(0.99)} ms`);
     for (const socket of idle) socket.destroy();
 
-    // Buffers of the system on both sides fill first. The service ends it when it has taken nothing for 30 s.
+    // The system's buffers on both sides fill first. The service closes the connection after 30 s without progress.
     await becomes(() => !isOpenInService(slowPort), 'the stream of a client that takes nothing does not end');
     slow.destroy();
   });
 
   it('does not keep the service from its end', async () => {
     for (let round = 0; round < 5; ++round) {
-      // Some come before the end, some in the middle of it: none may meet what is no longer there.
+      // Some arrive before the shutdown, some during it: none may touch freed objects.
       const underWay = Array.from({ length: 24 }, async (_, i) => {
         const [path, options] = [
           ['api/status', {}], ['api/cameras/0/stream.mjpg', {}], ['api/cameras/0/snapshot.jpg', {}],

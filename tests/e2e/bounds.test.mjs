@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What settings may hold has an end, what a patch may do while it is applied too, and memory comes back.
+// Limits: settings have a maximum size, patches too while they are applied, and memory is released.
 import assert from 'node:assert/strict';
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
@@ -10,7 +10,7 @@ import { Random } from '../strangers/random.mjs';
 import { becomes, createService, freeUdpPort } from './service.mjs';
 
 const service = await createService('239.255.77.121');
-service.settings.recording.last_seconds.memory_mb = 0; // it comes some seconds after the start, and this looks whether memory grows
+service.settings.recording.last_seconds.memory_mb = 0; // allocated some seconds after the start; these tests check that memory does not grow
 after(() => service.end());
 
 async function ask(method, path, body) {
@@ -93,7 +93,7 @@ describe('settings', () => {
       ...replace('/cameras/0/mask/exclude', polygons(32, 31)),
       ...replace('/site', 'S'.repeat(200)),
     ];
-    // Its ring of frames has filled.
+    // Twenty frames fill its frame ring.
     const runs = async (wanted) => {
       const { cameras: [{ frames }] } = await service.statusBecomes(({ cameras: [one] }) => one.state === 'running' && one.width === wanted);
       await service.statusBecomes(({ cameras: [one] }) => one.frames > frames + 20);
@@ -112,7 +112,7 @@ describe('settings', () => {
   it('give the memory of much that was refused back', { skip }, async () => {
     const before_MB = rss_MB();
     const patches = [replace('/site', 'S'.repeat(900_000)), replace('/cameras/0/mask/exclude', [{ points: points(60_000) }]), replace('/cameras/0/mask/exclude', polygons(20_000))];
-    // Much more than may stay, were it only the text of them.
+    // Much more in total than may stay in memory, even counting only the patches' text.
     let sent = 0;
     while (sent < 75e6) {
       const tries = Array.from({ length: 24 }, (_, i) => patches[i % patches.length]);
@@ -129,15 +129,15 @@ describe('a body', () => {
   const MOST_MB = 64, REFUSED = [400, 422];
   const skip = process.env.SSLV_SANITIZE ? 'the sanitizer has its own allocator' : false;
   const memory_MB = (what) => Number(new RegExp(`${what}:\\s+(\\d+)`).exec(readFileSync(`/proc/${service.pid()}/status`, 'utf8'))[1]) / 1024;
-  /** How much more memory the service has at its most while it answers. */
+  /** By how many MB the service's peak memory exceeds its memory before the request. */
   async function grows_MB(path, body, wanted) {
-    writeFileSync(`/proc/${service.pid()}/clear_refs`, '5'); // the most is what there is now
+    writeFileSync(`/proc/${service.pid()}/clear_refs`, '5'); // resets the peak to the current memory
     const before_MB = memory_MB('VmRSS');
     const answer = await fetch(service.address(path), { method: 'POST', body });
     assert.ok(wanted.includes(answer.status), `${answer.status}: ${(await answer.text()).slice(0, 300)}`);
     return memory_MB('VmHWM') - before_MB;
   }
-  /** Once of four times is enough: what the service does besides takes memory for moments too. */
+  /** One small result in four tries is enough: other work of the service also takes memory for moments. */
   async function isSmall(path, body, wanted, what) {
     const all_MB = [];
     while (!all_MB.some((grown_MB) => grown_MB <= MOST_MB)) {
@@ -214,7 +214,7 @@ describe('a patch', () => {
     const { revision } = await settings();
     const heavy = [{ op: 'add', path: '/x', value: Array(120_000).fill(1) }, ...Array.from({ length: 60 }, () => ({ op: 'copy', from: '/x', path: '/y' }))];
     let reads = 0;
-    // How many go on beside one is a matter of luck on a busy computer, so there are more until some did.
+    // How many requests run beside one depends on luck on a busy computer, so repeat until some did.
     await becomes(async () => {
       let heavyDone = 0, meanwhile = 0;
       const all = [CHECK, ['PATCH', 'api/settings']].map(async ([method, path]) => {

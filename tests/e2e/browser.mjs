@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The panel in a real browser, for tests that look at it as a user does.
+// The panel in a real browser, for tests from a user's point of view.
 //   SSLV_CHROMIUM       the browser; default: the system's
-//   SSLV_SCREENSHOTS=1  also takes the pictures in docs/images
 import assert from 'node:assert/strict';
-import { mkdirSync, readFileSync } from 'node:fs';
+import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
 import { after, before, it } from 'node:test';
@@ -22,23 +21,23 @@ export const byId = (name) => `[data-testid="${name}"]`;
 export const live = (page) => page.waitForSelector(`${byId('connection')}[data-state="live"]`);
 export const text = (page, name) => page.textContent(byId(name));
 /**
- * The page has the answer to its last change. To be asked for once the service has the change, or for the first change
- * of a page: else it may be true of the one before.
+ * Waits until the page has received the answer to its last change. Call it after the service has the change, or for the
+ * page's first change: otherwise it may still report the previous one.
  */
 export const saved = (page) => page.waitForSelector(`${byId('save-state')}[data-state="saved"]`, { state: 'attached' });
-// What page.waitForFunction() runs must not throw while the page is still without the element: that ends the wait.
-/** Waits until a name's text, without spaces around it, is like that. */
+// Functions passed to page.waitForFunction() must not throw while the page lacks the element: a throw ends the wait.
+/** Waits until the element's trimmed text matches. */
 export const textBecomes = (page, name, pattern) => page.waitForFunction(
   ([selector, source]) => new RegExp(source, 's').test(document.querySelector(selector)?.textContent.trim() ?? ''), [byId(name), pattern.source]);
-/** Freezes the picture; none that was on its way comes after that. */
+/** Freezes the image; frames that were under way do not arrive later. */
 export async function freezePicture(page) {
   await page.click(byId('freeze'));
   await page.waitForSelector(`${byId('freeze')}[aria-pressed="true"]`);
 }
 
 /**
- * What is shown for some seconds only: `act` makes it come, and it is seen however busy the computer is. `pattern` is
- * of its text.
+ * Checks something that is shown for a few seconds only, even on a busy computer: `act` triggers it and `pattern`
+ * matches its text.
  */
 export async function comesUp(page, selector, pattern, act) {
   await page.evaluate(([where, source]) => {
@@ -55,7 +54,7 @@ export async function frameNumber(page, camera) {
   return Number(await picture.getAttribute('data-frame'));
 }
 
-/** Waits until the camera's picture has gone on by so many frames. */
+/** Waits until the camera's image has advanced by so many frames. */
 export async function picturesGoOn(page, camera, frames = 5) {
   const first = await frameNumber(page, camera);
   const way = await page.waitForFunction(
@@ -64,11 +63,11 @@ export async function picturesGoOn(page, camera, frames = 5) {
       return now > last ? 'on' : now < from ? 'anew' : null;
     },
     [byId(`camera-picture-${camera}`), first, first + frames]);
-  // A camera that was opened again counts anew.
+  // A reopened camera restarts its frame numbers.
   if (await way.jsonValue() === 'anew') await picturesGoOn(page, camera, frames);
 }
 
-/** What axe finds on a page, a line each. */
+/** The problems that axe finds on a page, one line each. */
 export async function axeFaults(page, rules = {}) {
   await page.evaluate(axeSource);
   const { violations } = await page.evaluate((options) => window.axe.run(document, { resultTypes: ['violations'], ...options }), rules);
@@ -79,7 +78,7 @@ export async function accessible(page, what, rules = {}) {
   assert.deepEqual(await axeFaults(page, rules), [], `accessibility of ${what}`);
 }
 
-/** In both themes. They differ in colours only, so the second look is at these. */
+/** Checks both themes. They differ only in colours, so the second check is limited to these. */
 export async function accessibleInThemes(page, what) {
   await chooseTheme(page, 'dark');
   await accessible(page, `${what}, dark`);
@@ -93,7 +92,7 @@ export async function chooseTheme(page, theme) {
 }
 
 export const phone = { hasTouch: true, isMobile: true, deviceScaleFactor: 2 };
-/** Names of tests without their views', in the order in which they came. */
+/** Names of tests without the view's name, in order of definition. */
 const repeated = [];
 const byTurns = (view, place) => (name, ...rest) => {
   const test = name.replace(view, '');
@@ -101,9 +100,9 @@ const byTurns = (view, place) => (name, ...rest) => {
   if (process.env.SSLV_VIEWS === 'all' || repeated.indexOf(test) % 2 === place) it(name, ...rest);
 };
 /**
- * What tests are repeated on, with an `it` of its own: ./run test does each on one view only, by turns, and
- * ./run test-long (SSLV_VIEWS=all) on both. Browsers that draw in software are what its time goes to, and panel_walk
- * looks at all pages on both.
+ * The views that tests are repeated on, each with its own `it`: ./run test alternates, running each test on one view
+ * only; ./run test-long (SSLV_VIEWS=all) runs it on both. Software rendering takes most of the time, and panel_walk
+ * checks all pages on both.
  */
 export const views = [
   { name: 'desktop', viewport: DESKTOP, options: {}, it: byTurns('desktop', 0) },
@@ -111,12 +110,12 @@ export const views = [
 ];
 
 /**
- * A test that takes long for what it finds beyond what others do: only ./run test-long does it. Such are those that only
- * ask whether a page is accessible, which panel_walk asks of all pages.
+ * A test that takes long for what it adds to the others: only ./run test-long runs it. For example tests of only the
+ * accessibility of a page, which panel_walk checks on all pages.
  */
 export const itLong = process.env.SSLV_VIEWS === 'all' ? it : () => {};
 
-/** `webgl`: with a drawing machine made of software. */
+/** `webgl`: with software rendering of WebGL. */
 export const launch = ({ webgl = false } = {}) => chromium.launch({
   executablePath: CHROMIUM,
   timeout: PATIENCE_MS,
@@ -125,8 +124,8 @@ export const launch = ({ webgl = false } = {}) => chromium.launch({
 });
 
 /**
- * Runs in the page: of the service's status it takes out that this computer is too slow. On a busy one that would be
- * NO-GO, and alerts that take room from what is looked at.
+ * Runs in the page: removes from the service's status all signs that this computer is too slow. On a busy computer
+ * these would make it NO-GO, and the alerts would take space from what is tested.
  */
 function leaveOutThisComputer() {
   const SLOW = ['camera_slow', 'frames_dropped', 'stage_slow'];
@@ -136,7 +135,7 @@ function leaveOutThisComputer() {
     const { data } = message;
     const slow = data.alerts.filter(({ id }) => SLOW.includes(id));
     data.alerts = data.alerts.filter((alert) => !slow.includes(alert));
-    // A check's text is the title of its worst alert.
+    // A check's text is the title of its most severe alert.
     for (const check of data.checks)
       if (check.id === 'latency' || slow.some(({ title }) => check.text.startsWith(title))) check.state = 'pass';
     data.go = data.checks.every(({ state }) => state !== 'fail');
@@ -148,25 +147,26 @@ function leaveOutThisComputer() {
   });
 }
 
-/** Runs in the page: it gives no request up sooner than a test would. What no network answers still fails at once. */
+/** Runs in the page: extends request timeouts to a test's patience. Requests that fail for lack of a network still
+ * fail at once. */
 function bePatient(patience_ms) {
   const { timeout } = AbortSignal;
   AbortSignal.timeout = (ms) => timeout.call(AbortSignal, Math.max(ms, patience_ms));
 }
 
-/** A browser on the panel of a service. */
-export function createBrowser(service, { webgl = false } = {}) {
+/** A browser on the panel of a service, whose cameras get at most this rate. */
+export function createBrowser(service, { webgl = false, hz = PICTURES_HZ } = {}) {
   const { address } = service;
   let browser;
-  // A picture takes the browser longer than the service, and more of them show nothing more.
-  if (!process.env.SSLV_SCREENSHOTS) for (const { source } of service.settings.cameras) source.frame_rate_hz = Math.min(source.frame_rate_hz, PICTURES_HZ);
+  // The browser needs longer for an image than the service does, and a higher rate would show nothing more.
+  for (const { source } of service.settings.cameras) source.frame_rate_hz = Math.min(source.frame_rate_hz, hz);
 
   /**
-   * A page, with its errors and its words to other hosts as they come, the newest detections that it was told, and what
-   * came with the newest pictures.
+   * Opens a page; collects its errors, its requests to other hosts, its newest detections, and the data received with
+   * its newest images.
    */
   async function openPage(viewport, options = {}) {
-    // Half-way through a fade no colour is what it is meant to be.
+    // No transitions: colours would be checked in the middle of a fade.
     const context = await browser.newContext({ viewport, colorScheme: 'dark', reducedMotion: 'reduce', ...options });
     context.setDefaultTimeout(PATIENCE_MS);
     await context.addInitScript(leaveOutThisComputer);
@@ -175,7 +175,7 @@ export function createBrowser(service, { webgl = false } = {}) {
     const panel = { page, errors: [], strangers: [], detections: [], previews: [], errorsExpected: false };
     page.on('console', (message) => {
       const { url } = message.location();
-      // A camera that is found may be another test's, and gone when its image is asked for.
+      // A listed camera may belong to another test and be gone when its image is requested.
       if (message.type() === 'error' && !panel.errorsExpected && !url.includes('/api/sources/image')) panel.errors.push(`${message.text()} ${url}`);
     });
     page.on('pageerror', (error) => panel.errors.push(String(error)));
@@ -199,7 +199,7 @@ export function createBrowser(service, { webgl = false } = {}) {
     return panel;
   }
 
-  /** Gives a test an open page and closes it. An error in the console or a word to another host fails the test. */
+  /** Opens a page for a test and closes it. An error in the console or a request to another host fails the test. */
   function withPage(viewport, path, options, test) {
     return async () => {
       const panel = await openPage(viewport, options);
@@ -216,20 +216,6 @@ export function createBrowser(service, { webgl = false } = {}) {
     };
   }
 
-  /** Takes pictures for docs/images: {file, theme, path, viewport, options, ready(page)}. */
-  function screenshots(shots) {
-    if (process.env.SSLV_SCREENSHOTS !== '1') return;
-    const images = join(root, 'docs/images');
-    for (const { file, theme, path, viewport, options, ready } of shots) {
-      it(`docs/images/${file}`, withPage(viewport, path, options, async (page) => {
-        await chooseTheme(page, theme);
-        await ready?.(page);
-        mkdirSync(images, { recursive: true });
-        await page.screenshot({ path: join(images, file), quality: 88 });
-      }));
-    }
-  }
-
   async function open(prepare = () => {}) {
     browser = await launch({ webgl });
     await service.start();
@@ -240,11 +226,11 @@ export function createBrowser(service, { webgl = false } = {}) {
     await service.end();
   }
 
-  /** For a suite: both run from before its first test until after its last. `prepare` comes last. */
+  /** For a suite: opens both before its first test and closes them after its last. `prepare` runs last. */
   function aroundTests(prepare) {
     before(() => open(prepare));
     after(close);
   }
 
-  return { aroundTests, close, open, openPage, withPage, screenshots };
+  return { aroundTests, close, open, openPage, withPage };
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// ssl-visionctl calibrate over simulated pictures.
+// ssl-visionctl calibrate on simulated images.
 #include "base/params_json.h"
 #include "e2e/calibration_points.h"
 #include "e2e/running_daemon.h"
@@ -9,7 +9,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv::test {
+namespace sslv::test::calibrate_files_test {
 namespace {
 
 using ::testing::AllOf;
@@ -19,7 +19,7 @@ using ::testing::Not;
 class CalibrateFiles : public ::testing::Test {
  protected:
   Json json_in(const char* name) const { return Json::parse(std::ifstream(folder_.file(name))); }
-  /// Pictures of camera 0 of the demo, with its robots.
+  /// Images of camera 0 of the demo, with its robots.
   void simulate(const std::vector<std::string>& more = {}) const {
     std::vector<std::string> words{ctl_program(), "simulate", "--settings", source_path("/config/demo.json"),
                                    "--frames",    "5",        "--output",   folder_.file("frames")};
@@ -49,7 +49,7 @@ TEST_F(CalibrateFiles, ClicksInAnyOrderBecomeTheCamera) {
   EXPECT_EQ(run.exit_code, 0) << run.output;
   EXPECT_THAT(run.output, AllOf(HasSubstr("accepted"), HasSubstr("expected errors"),
                                 HasSubstr("since the previous"), Not(HasSubstr("looks wrong"))));
-  // As the settings spell it: it can be pasted.
+  // In the format of the settings, so that it can be pasted.
   const CameraModel found(params_from_json<CameraCalibration>(json_in("calibration.json"), ""));
   EXPECT_LT(worst_error_mm(truth_, found, 0), 1.5);
   EXPECT_LT(worst_error_mm(truth_, found, 150), 6);
@@ -104,4 +104,4 @@ TEST_F(CalibrateFiles, WrongUseIsNamed) {
 }
 
 }  // namespace
-}  // namespace sslv::test
+}  // namespace sslv::test::calibrate_files_test

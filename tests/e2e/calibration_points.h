@@ -6,12 +6,12 @@
 
 namespace sslv::test {
 
-/// What somebody clicks who calibrates this camera over Division B: six corners and crossings that it sees,
-/// in no order, each up to 3 px off.
+/// Simulated clicks for calibrating this camera over Division B: six visible corners and crossings,
+/// unordered, each up to 3 px off.
 Json clicked_points(const CameraModel& camera);
 
-/// Largest distance over this camera's part of the field, in mm, between a place on the plane z = height and
-/// where `other` has it.
+/// Largest distance in mm, over this camera's part of the field, between a point on the plane z = height and
+/// the point that `other` computes for its pixel. Infinite where `other` sees no floor.
 double worst_error_mm(const CameraModel& camera, const CameraModel& other, double height_mm);
 
 }  // namespace sslv::test

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The real daemon calibrates its simulated camera. The simulator goes on drawing with the calibration that it
-// was started with, so that one can be spoilt and found again.
+// The real daemon calibrates its simulated camera. The simulator keeps drawing with the calibration that it
+// was started with, so the calibration in the settings can be spoilt and recovered.
 #include "base/params_json.h"
 #include "e2e/calibration_points.h"
 #include "e2e/running_daemon.h"
@@ -12,7 +12,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv::test {
+namespace sslv::test::calibration_test {
 namespace {
 
 using ::testing::AllOf;
@@ -26,14 +26,14 @@ class Calibration : public DaemonTest {
   }
   Json request() const { return {{"points", clicked_points(truth_)}, {"height_mm", 4000}, {"frames", 5}}; }
 
-  /// Puts a calibration into force that is some centimetres off, and returns it.
+  /// Applies a calibration that is some centimetres off, and returns it.
   Json spoil(const RunningDaemon& daemon) const {
     daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["fps"] > 0; });
     Json wrong = settings_["cameras"][0]["calibration"];
     wrong["tx"] = wrong["tx"].get<double>() + 80;
     return daemon.set("/cameras/0/calibration", wrong)["settings"]["cameras"][0]["calibration"];
   }
-  /// The state once nothing is going on any more.
+  /// The state once the calibration is idle or done.
   static Json wait_for_end(const RunningDaemon& daemon) {
     return daemon.wait_for(
         kPath, [](const Json& s) { return s["state"] != "collecting" && s["state"] != "solving"; });
@@ -87,7 +87,7 @@ TEST_F(Calibration, IsFoundAcceptedKeptAndTakenBack) {
     EXPECT_EQ(done["frames_taken"], 5);
     EXPECT_EQ(done["report"]["accepted"], true) << done["report"].dump(2);
     EXPECT_GT(done["report"]["moved_on_floor_mm"], 50);
-    // As it was painted; the places to click are there too.
+    // Detected as painted; the points to click move accordingly.
     EXPECT_EQ(done["lines_measured_to"], "outer_edge");
     EXPECT_NE(done["points"], idle["points"]);
     found = done["report"]["calibration"];
@@ -102,7 +102,7 @@ TEST_F(Calibration, IsFoundAcceptedKeptAndTakenBack) {
     EXPECT_EQ(accepted["history"][0]["who"], "127.0.0.1");
     EXPECT_EQ(accepted["history"][0]["figures"]["rms_px"], done["report"]["rms_px"]);
     EXPECT_EQ(in_settings(daemon), found);
-    // What the teams get.
+    // The geometry sent to the teams.
     for (;;) {
       const SSL_WrapperPacket packet = receive(listener_);
       if (!packet.has_geometry()) continue;
@@ -141,7 +141,7 @@ TEST_F(Calibration, ATileOfABigCameraNeedsNoClicks) {
   const Json& report = done["report"];
   EXPECT_EQ(report["accepted"], true) << report.dump(2);
   EXPECT_LT(worst_error_mm(model_of(truth), model_of(report["calibration"]), 0), 2);
-  // The lens' middle is that of the big picture, at the tile's edge.
+  // The principal point is that of the whole image, at the tile's edge.
   EXPECT_NEAR(report["calibration"]["principal_point_x"].get<double>(),
               truth["principal_point_x"].get<double>(), 12);
 }
@@ -167,7 +167,7 @@ TEST_F(Calibration, FromTheCommandLine) {
 }
 
 TEST_F(Calibration, RunsOnceAndCanBeCancelledAndRejected) {
-  settings_["cameras"][0]["source"]["frame_rate_hz"] = 2;  // 100 pictures take longer than this test
+  settings_["cameras"][0]["source"]["frame_rate_hz"] = 2;  // 100 images take longer than this test
   RunningDaemon daemon(settings_file(), state_);
   Json slow = request();
   slow["frames"] = 100;
@@ -183,7 +183,7 @@ TEST_F(Calibration, RunsOnceAndCanBeCancelledAndRejected) {
   EXPECT_EQ(wait_for_end(daemon)["state"], "done");
   EXPECT_EQ(daemon.post(kReject)["state"], "idle");
   daemon.post(kAccept, Json::object(), 409);
-  daemon.post(kPath, slow, 202);  // the daemon's end does not wait for it
+  daemon.post(kPath, slow, 202);  // the daemon's shutdown does not wait for it
   daemon.process().send_signal(SIGTERM);
   EXPECT_EQ(daemon.process().wait_for_exit(), 0) << daemon.process().output();
 }
@@ -246,7 +246,7 @@ TEST_F(Calibration, BadRequestsAreNamedAndChangeNothing) {
 TEST_F(Calibration, WhatIsNotGoodEnoughIsTakenByForceOnly) {
   RunningDaemon daemon(settings_file(), state_);
   spoil(daemon);
-  // Another field than the one that is drawn.
+  // A field other than the one drawn.
   daemon.patch(Json::array({{{"op", "replace"}, {"path", "/field/penalty_area_width"}, {"value", 2900}},
                             {{"op", "replace"}, {"path", "/field/penalty_area_depth"}, {"value", 1500}},
                             {{"op", "replace"}, {"path", "/field/center_circle_radius"}, {"value", 900}}}));
@@ -258,7 +258,7 @@ TEST_F(Calibration, WhatIsNotGoodEnoughIsTakenByForceOnly) {
               HasSubstr("not good enough"));
   EXPECT_EQ(daemon.get(kPath)["state"], "done");
   EXPECT_EQ(daemon.post(kAccept, {{"force", true}})["calibration"], done["report"]["calibration"]);
-  // Somebody sets another one by hand: going back would lose that.
+  // Someone sets another calibration by hand: reverting would lose that.
   const Json by_hand = spoil(daemon);
   EXPECT_THAT(daemon.post(kRevert, Json::object(), 409)["error"].get<std::string>(),
               HasSubstr("changed by other means"));
@@ -292,4 +292,4 @@ TEST_F(Calibration, IsLockedWhileTheGameRuns) {
 }
 
 }  // namespace
-}  // namespace sslv::test
+}  // namespace sslv::test::calibration_test

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a clip, written from docs/recording.md alone, so that tests hold the description against what the service writes.
+// Reads clips. Written from docs/recording.md alone, so that tests check the description against what the service
+// writes.
 import { readFileSync } from 'node:fs';
 
 const table = Uint32Array.from({ length: 256 }, (_, byte) => {
@@ -8,7 +9,7 @@ const table = Uint32Array.from({ length: 256 }, (_, byte) => {
   return value;
 });
 
-/** CRC-32 as gzip has it. */
+/** CRC-32 as in gzip. */
 export function crc32(bytes) {
   let sum = 0xffffffff;
   for (const byte of bytes) sum = table[(sum ^ byte) & 0xff] ^ (sum >>> 8);
@@ -24,7 +25,7 @@ function check(holds, what) {
 }
 const u64 = (bytes, place) => Number(bytes.readBigUInt64LE(place));
 
-/** The block at a place of the file; its sums are checked. */
+/** The block at an offset of the file, with its checksums verified. */
 function blockAt(file, place) {
   const head = file.subarray(place, place + 32);
   check(head.length === 32 && head.readUInt32LE(28) === crc32(head.subarray(0, 28)), `block at ${place}: damaged head`);
@@ -64,9 +65,10 @@ function frameOf(block) {
 }
 
 /**
- * All of a clip: {is_finished, about, setups: [{camera_id, about, table}], events, frames, missing: {camera_id: frames}}. Frames are in the order of
- * the file and have camera_id, number, t_capture_s, pixel_format, width, height, setup, packet, memory and image (null: there is none). Throws an
- * Error for what is no clip, and for what is damaged; an unfinished one ends with its last whole block.
+ * Reads a whole clip: {is_finished, about, setups: [{camera_id, about, table}], events, frames, missing: {camera_id:
+ * frames}}. Frames are in file order and have camera_id, number, t_capture_s, pixel_format, width, height, setup,
+ * packet, memory and image (null: none). Throws an Error if the file is no clip or damaged; an unfinished clip ends
+ * with its last complete block.
  */
 export function readClip(path) {
   const file = readFileSync(path);

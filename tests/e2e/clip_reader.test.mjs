@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The format of clips: a reader that was written from docs/recording.md reads the clip that the service's own code wrote
-// (the unit test Clip.IsWrittenAsItWasDescribed), and clips that are damaged.
+// The clip format: a reader written from docs/recording.md reads a clip written by the service's own code (the unit
+// test Clip.IsWrittenAsItWasDescribed), and damaged clips.
 import assert from 'node:assert/strict';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clips, from outside: the real service, what it sends on the network, and a reader of the format that is written from
-// its description (docs/recording.md), not with the service's code.
+// Clips from outside: the real service, its packets on the network, and a reader that is written from the format's
+// description (docs/recording.md) instead of the service's code.
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
 import { createSocket } from 'node:dgram';
@@ -16,10 +16,10 @@ const GROUP = '239.255.77.92', GC_GROUP = '239.255.77.93';
 const service = await createService(GROUP);
 const gcPort = await freeUdpPort();
 service.settings.network.referee = { enabled: true, group: GC_GROUP, port: gcPort, interface: 'lo' };
-// Two cameras, smaller than a field's, so that seconds fit into little memory.
+// Two cameras with small images, so that seconds fit into little memory.
 const [first] = service.settings.cameras;
 service.settings.cameras = [0, 1].map((id) => ({ ...structuredClone(first), id, source: { ...structuredClone(first.source), frame_rate_hz: 10 } }));
-service.settings.panel.match_lock = false; // the settings change while a goal is shot
+service.settings.panel.match_lock = false; // settings change during play
 service.settings.recording = { last_seconds: { memory_mb: 150 }, clips: { seconds: 3, seconds_after: 0.5 } };
 const CTL = process.env.SSLV_CTL ?? join(root, 'build/release/bin/ssl-visionctl');
 const ctl = (...words) => execFileSync(CTL, ['--daemon', service.address('').slice(0, -1), ...words], { encoding: 'utf8', stdio: ['ignore', 'pipe', 'pipe'] });
@@ -31,9 +31,9 @@ const ask = async (method, path, body) => {
   return { status: answer.status, json: answer.headers.get('content-type')?.includes('json') ? JSON.parse(text) : null, text };
 };
 const clips = async () => (await ask('GET', '/clips')).json;
-/** So much of each camera is in memory. */
+/** Waits until each camera has so many seconds in memory. */
 const reaches = (seconds) => becomes(clips, ({ last_seconds: { cameras } }) => cameras.length === 2 && cameras.every((camera) => camera.seconds >= seconds));
-/** A clip that was asked for, once the service has read it. */
+/** Requests a clip and waits until the service has indexed it. */
 async function clipWith(body, name) {
   const answer = await ask('POST', '/clips', { name, ...body });
   assert.equal(answer.status, 202, answer.text);
@@ -71,7 +71,7 @@ describe('clips', () => {
       assert.ok(gaps <= missing, `${gaps} frames are not there, ${missing} are said to be missing`);
       assert.ok(frames[0].memory.length > 0, 'it begins with what the stages remember');
       assert.ok(frames.every(({ image, width, height }) => image.length >= width * height));
-      // The first may have been sent before anybody listened.
+      // The first packets may have been sent before the listener was ready.
       const wasHeard = frames.map(({ packet }) => heard.has(packet.toString('latin1')));
       assert.ok(wasHeard.includes(true));
       unheard += wasHeard.slice(wasHeard.indexOf(true)).filter((was) => !was).length;
@@ -89,7 +89,7 @@ describe('clips', () => {
     assert.equal((await ask('POST', '/clips', {})).status, 409, 'one at a time');
     await service.patch({ op: 'replace', path: '/cameras/0/stages/detect_balls/min_confidence', value: 0.3 });
     await service.patch({ op: 'replace', path: '/cameras/1/colors/bits', value: 6 });
-    // It ends with the service, once what changed is in it.
+    // The service stops while writing the clip, after the new settings are in it.
     const { clip: { name } } = await becomes(clips, ({ clip }) => clip.name.endsWith('_same.clip') && clip.frames > 0);
     await becomes(() => readClip(join(folder, name)).setups.length, (count) => count >= 4);
     await service.stop();
@@ -100,7 +100,7 @@ describe('clips', () => {
     assert.match(JSON.stringify(result), /"frames_with_other_bytes":\s*0/);
     assert.doesNotMatch(JSON.stringify(result), /"frames_with_other_bytes":\s*[1-9]/);
 
-    // The same in the panel's way.
+    // The same through the panel's route.
     assert.equal((await ask('POST', `/clips/${made.name}/compare`, { camera: 1, with: 'recorded_settings' })).status, 202);
     const same = await becomes(async () => (await ask('GET', '/compare')).json, ({ state }) => state !== 'running');
     assert.equal(same.state, 'done', same.error);
@@ -151,7 +151,7 @@ describe('clips', () => {
     const out = join(service.folder, 'frames'), one = join(out, 'camera_1'), settings = join(service.folder, 'now.json');
     ctl('clip', 'export', pathOf(made), '--output', out, '--format', 'raw');
     writeFileSync(settings, ctl('settings', 'export'));
-    // What the frames look like, frames.json beside them tells.
+    // frames.json beside the frames describes their format.
     ctl('process', '--settings', settings, '--camera', '1', '--input', one, '--output', join(out, 'found.jsonl'));
     assert.equal(readFileSync(join(out, 'found.jsonl'), 'utf8').trim().split('\n').length, made.cameras[1].frames);
     ctl('score', '--detections', join(out, 'found.jsonl'), '--truth', join(one, 'truth.jsonl'), '--min-robot-share', '0.95');
@@ -177,7 +177,7 @@ describe('clips', () => {
     gc.bind(0, '127.0.0.1');
     await once(gc, 'listening');
     gc.setMulticastInterface('127.0.0.1');
-    // Another goal, and another command, every second.
+    // A goal and another command every second.
     let said = 0;
     const talking = setInterval(() => {
       const second = Math.floor(said++ / 10);

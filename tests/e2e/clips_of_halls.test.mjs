@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clips of images that the service's own simulator did not draw: halls of another renderer, in other pixel formats, and
-// a photo where there is one (SSLV_TEST_DATA, the folder with real data that others made). What replays find in them is
-// what the service sent, byte for byte, with colours that were learnt from the same images; and every set of vector
-// instructions that the CPU has finds the same.
+// Clips of images not drawn by the service's own simulator: halls from another renderer, in other pixel formats, and a
+// photo if there is one (in SSLV_TEST_DATA, a folder of real data from other teams). Replays must reproduce the
+// service's packets byte for byte, with colours learnt from the same images, and every vector instruction set of the
+// CPU must give the same results.
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
 import { existsSync, mkdirSync, readFileSync, symlinkSync, writeFileSync } from 'node:fs';
@@ -20,7 +20,7 @@ const service = await createService('239.255.77.95');
 service.settings.cameras = [];
 service.settings.recording = { last_seconds: { memory_mb: 300 } };
 
-/** Images in `folder`, with the settings of their camera: as a camera of the service. */
+/** Adds a camera to the service that plays the images in `folder`, with these settings. */
 function addCamera(folder, settings, { raw = [], everyNth, rateHz }) {
   const settingsFile = join(folder, 'settings.json'), table = join(service.folder, `table_${service.settings.cameras.length}.lut`);
   writeFileSync(settingsFile, JSON.stringify(settings));
@@ -44,7 +44,7 @@ function addHall(kind, format) {
   addCamera(folder, settings, { raw: ['--pixel-format', format, '--size', `${width}x${height}`], everyNth: 8, rateHz: 15 });
 }
 
-/** Asks for a clip, and replays it. */
+/** Requests a clip and replays it. */
 async function replay(name) {
   const clips = async () => (await fetch(service.address('api/recordings/clips'))).json();
   await becomes(clips, ({ last_seconds: { cameras } }) => cameras.length > 0 && cameras.every(({ seconds }) => seconds >= 2));
@@ -52,16 +52,16 @@ async function replay(name) {
   assert.equal(order.status, 202, await order.text());
   const { clips: all } = await becomes(clips, (now) => now.clip.state === 'idle' && now.clips.some((clip) => clip.name.endsWith(`_${name}.clip`) && clip.begin_s !== null));
   const file = join(service.stateFolder, 'recordings', all.find((clip) => clip.name.endsWith(`_${name}.clip`)).name);
-  // It ends with 1 when anything differs.
+  // Exit code 1: something differs.
   const targets = spawnSync(TARGETS, [file], { encoding: 'utf8' });
   assert.equal(targets.status, 0, `${targets.stdout}${targets.stderr}`);
   const again = (env) => JSON.parse(execFileSync(CTL, ['replay', file, '--compare', '--json'], { encoding: 'utf8', env: { ...process.env, ...env } }));
-  // The C library's mathematics as on a CPU without fused multiply-add (glibc 2.33 and newer know these names).
+  // Uses the C library's math functions for CPUs without fused multiply-add (these names work in glibc 2.33 and newer).
   again({ GLIBC_TUNABLES: 'glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX512F' }).forEach(isTheSame);
   return { clip: readClip(file), told: again({}) };
 }
 
-/** Every frame was processed as it was live, and gave what was sent. */
+/** Every frame was processed as it was live, with the same result as sent. */
 function isTheSame({ camera, frames, exact, comparison }) {
   assert.ok(frames > 0, `camera ${camera}`);
   assert.deepEqual([exact, comparison.frames, comparison.frames_with_other_bytes], [frames, frames, 0], `camera ${camera}`);
@@ -78,7 +78,7 @@ describe('clips of images from elsewhere', () => {
   after(() => service.end());
 
   it('are the same again: halls of another renderer, Bayer and YUV', async () => {
-    // All robots are seen: nothing is compared with nothing.
+    // Wait until all robots are detected, so that the comparison is not empty.
     await service.statusBecomes(({ cameras }) => cameras.length === 2 && cameras.every(({ robots }) => robots >= 6));
     const { clip, told } = await replay('halls');
     assert.equal(told.length, 2);

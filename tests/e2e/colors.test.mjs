@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colour tables from outside: edited, learnt, imported and followed through the interface, and looked at in the
-// labelled picture, the detections and after a restart.
+// Colour tables from outside: edited, learnt, imported and followed through the API, and checked in the label image, in
+// the detections and after a restart.
 import assert from 'node:assert/strict';
 import { readdirSync, readFileSync, statSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
@@ -10,7 +10,7 @@ import { createService, PATIENCE_MS, root } from './service.mjs';
 
 const openApi = JSON.parse(readFileSync(join(root, 'docs/openapi.json'), 'utf8'));
 const service = await createService('239.255.77.82');
-// Robots that stand still teach what they look like, and what is learnt of them can be checked.
+// Standing robots: they can be learnt from, and what is learnt can be checked.
 for (const { source } of service.settings.cameras) source.speed = 0;
 
 async function ask(method, path, body, expected = 200) {
@@ -32,7 +32,7 @@ const bytes = async (path) => {
 };
 const cellsOf = (state, label) => state.labels.find(({ name }) => name === label).cells;
 
-/** The labels of a still as the table in force has them, and where there are how many. */
+/** The labels of a still according to the current table, with functions to look up a pixel and to count a label. */
 async function labelsOf(still) {
   const data = await bytes(`stills/${still}/labels`);
   const width = data[0] | data[1] << 8, height = data[2] | data[3] << 8;
@@ -63,12 +63,12 @@ const detections = async () => {
   return status.cameras[0];
 };
 
-/** How bright the carpet is in the newest image, in grey levels. */
+/** Brightness of the carpet in the newest image, in grey levels. */
 const carpetLuma = async () => {
   const { still, width, height } = await post('stills', undefined, 201);
   return (await get(`pixels?x=${Math.round(width * 0.03)}&y=${Math.round(height * 0.5)}&width=9&height=9&still=${still}`)).mean[0];
 };
-/** Images of the old light come for a while after a change; the follower would learn from them. */
+/** After a change, images in the old light still arrive for a while; the follower would learn from them. */
 const lightIsBack = () => becomes(async () => Math.abs(await carpetLuma() - fullLuma) < 4, 'the light is not back');
 
 const PINK = 5, CYAN = 6;
@@ -77,7 +77,7 @@ let pictureRobots, fullLuma;
 describe('colour tables', () => {
   before(async () => {
     await service.start();
-    // Images are all the same, and by then each stage knows what was in those before.
+    // Images are all the same; after 20 frames the memory of each stage has settled.
     await service.statusBecomes(({ cameras }) => cameras.every(({ robots, frames }) => robots > 0 && frames > 20));
     pictureRobots = (await detections()).robots;
     fullLuma = await carpetLuma();
@@ -96,7 +96,7 @@ describe('colour tables', () => {
     const { still, width, height } = await post('stills', undefined, 201);
     const before = await labelsOf(still);
     assert.equal(before.count(CYAN), 0);
-    // Carpet, beside the lines, wherever the robots stand.
+    // Carpet beside the lines, where no robot stands.
     const place = { x: Math.round(width * 0.03), y: Math.round(height * 0.5), width: 9, height: 9 };
     const looked = await get(`pixels?x=${place.x}&y=${place.y}&width=9&height=9&still=${still}`);
     assert.equal(looked.count, 81);
@@ -144,7 +144,7 @@ describe('colour tables', () => {
     assert.ok(least(before, 'green') >= before.wanted_margin, JSON.stringify(before.margins));
     await checked('pass');
 
-    // Green right above the carpet: in light that is a quarter brighter it is that.
+    // Green just above the carpet: carpet in a quarter more light has this colour.
     const { still, width, height } = await post('stills', undefined, 201);
     const place = `x=${Math.round(width * 0.4)}&y=${Math.round(height * 0.5)}`;
     const { mean } = await get(`pixels?${place}&width=9&height=9&still=${still}`);
@@ -169,7 +169,7 @@ describe('colour tables', () => {
     await becomes(async () => (await detections()).robots === pictureRobots, 'robots are not found any more');
     assert.ok(Math.abs(least(await post('colors/undo'), 'green') - margin) < 0.05, 'it is undone cell by cell');
 
-    // Carpet that has the label now: no match begins.
+    // With carpet labelled green the check fails, so no match can begin.
     const carpet = await edit({ ...paint, at: lit(1), radius: [30, 12, 12] });
     assert.equal(least(carpet.state, 'green'), 0);
     assert.match((await checked('fail')).text, /carpet is green now/);
@@ -185,14 +185,15 @@ describe('colour tables', () => {
     const carpet = await tryPick(Math.round(width * 0.4), Math.round(height * 0.5));
     assert.ok(carpet.cells > 0);
     assert.equal(carpet.left_to_carpet, 0, 'who points at the carpet means it');
-    // In less light the still shows what the carpet has in more light: here within the range, there beyond it.
+    // The still was taken in full light, so its carpet is brighter than the current carpet: some of it within the
+    // range, some beyond.
     await service.patch({ op: 'replace', path: '/cameras/0/source/light', value: 0.58 });
     await becomes(async () => (await get('colors')).margins?.length, 'the dark carpet is not seen');
     const edge = await becomes(async () => {
       for (const [x, y] of places) {
         const tried = await tryPick(x, y);
         if (!(tried.left_to_carpet > 0 && tried.cells > 0)) continue;
-        // The carpet may have been seen again since.
+        // The carpet may have been measured again in the meantime.
         const done = await edit({ op: 'pick', label: 'cyan', still, x, y, width: 3, height: 3 });
         await post('colors/undo');
         if (done.left_to_carpet > 0 && done.cells > 0) return done;
@@ -305,7 +306,7 @@ describe('colour tables', () => {
     const violet = state.labels.find(({ name }) => name === 'violet');
     assert.deepEqual({ value: violet.value, color: violet.color, built_in: violet.built_in }, { value: 12, color: '#8040ff', built_in: false });
     assert.ok(violet.cells > 0);
-    // A label that is in use does not go: its cells would have no name.
+    // A label in use cannot be removed: its cells would have no name.
     const answer = await fetch(service.address('api/settings'), { method: 'PATCH', body: JSON.stringify([{ op: 'remove', path: '/own_labels/0' }]) });
     const { error } = await answer.json();
     assert.equal(answer.status, 422, error);
@@ -362,7 +363,7 @@ describe('colour tables', () => {
     await service.start();
     await service.statusBecomes(({ alerts }) => alerts.some(({ id }) => id === 'table_lost'));
     assert.equal(cellsOf(await get('colors'), 'cyan'), 0);
-    // Whatever is saved next is in force, and the alert is gone.
+    // The next edit that is saved takes effect and clears the alert.
     await edit({ op: 'paint', label: 'cyan', shape: 'ball', at: [100, 70, 60], radius: [20, 10, 10] });
     await service.statusBecomes(({ alerts }) => !alerts.some(({ id }) => id === 'table_lost'));
   });
@@ -441,7 +442,7 @@ describe('colour tables', () => {
     await post('colors/undo');
     assert.deepEqual(await bytes('colors/table'), accepted);
     await service.patch({ op: 'replace', path: '/cameras/0/follow_light/enabled', value: false }, { op: 'replace', path: '/cameras/0/source/light', value: 1 });
-    // What it learnt in this light is forgotten when it sees that it is off, which takes it up to 200 ms.
+    // The follower discards what it learnt in this light when it notices that it is off, which takes up to 200 ms.
     await becomes(async () => (await get('colors')).light.state === 'off', 'the light is still followed');
     await lightIsBack();
   });
@@ -459,7 +460,7 @@ describe('colour tables', () => {
       { op: 'replace', path: '/cameras/0/follow_light/max_brightness', value: 1.1 },
       { op: 'replace', path: '/cameras/0/follow_light/enabled', value: true });
     await becomes(async () => (await light()).state === 'following', () => `the light is not followed, but ${[...seen]}`);
-    // Beyond the bound, but so little that robots are found all the same: without them it is frozen.
+    // Beyond the bound, but close enough that robots are still detected: without robots, following is frozen.
     await service.patch({ op: 'replace', path: '/cameras/0/source/light', value: 0.86 });
     const bound = await becomes(async () => {
       const now = await light();
@@ -480,7 +481,7 @@ describe('colour tables', () => {
     await service.patch({ op: 'replace', path: '/cameras/0/source/noise_sigma', value: 20 });
     const { still, width, height } = await post('stills', undefined, 201);
     const { mean } = await get(`pixels?x=${Math.round(width * 0.03)}&y=${Math.round(height * 0.5)}&width=9&height=9&still=${still}`);
-    // Half of the noise on the carpet is green from now on.
+    // From now on half of the noise on the carpet is labelled green.
     const at = [Math.round(mean[0]) + 40, Math.round(mean[1]), Math.round(mean[2])];
     await edit({ op: 'paint', label: 'green', shape: 'box', at, radius: [40, 60, 60], over: 'clear' });
     const alert = await becomes(async () => {

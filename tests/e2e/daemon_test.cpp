@@ -14,17 +14,18 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv::test {
+namespace sslv::test::daemon_test {
 namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::MatchesRegex;
 using ::testing::StartsWith;
 
 class Daemon : public DaemonTest {};
 
-/// Where the simulator says everything is.
+/// Ground truth from the simulator.
 struct Truth {
   explicit Truth(const Json& settings) {
     Json options = settings["cameras"][0]["source"];
@@ -35,7 +36,8 @@ struct Truth {
                       CameraModel(params_from_json<CameraCalibration>(camera["calibration"], "")));
     }
   }
-  /// A thing this far inside the picture is wholly visible: a robot's disc is some 11 px here.
+  /// An object this far inside the image is completely visible: a robot's disc has a radius of about 11 px
+  /// here.
   bool sees(int camera, double x_mm, double y_mm, double z_mm) const {
     constexpr double kMargin_px = 16;
     const auto pixel = cameras.at(camera).project({x_mm, y_mm, z_mm});
@@ -91,7 +93,7 @@ TEST_F(Daemon, SendsAllRobotsAndTheBallWhereTheyAre) {
           std::abs(std::remainder(found->orientation() - robot.orientation_rad, 2 * std::numbers::pi)));
       EXPECT_FLOAT_EQ(found->height(), 140);
     }
-    // Nothing invented: everything reported is somewhere in the truth, with its id.
+    // No false detections: everything reported matches the truth, with its id.
     for (const auto& [team, seen] :
          {std::pair{Team::kYellow, &frame.robots_yellow()}, {Team::kBlue, &frame.robots_blue()}}) {
       for (const SSL_DetectionRobot& one : *seen) {
@@ -144,7 +146,7 @@ TEST_F(Daemon, TilesOfOneCameraFindWhatItShows) {
     ASSERT_LT(camera, 2U);
     ++frames[camera];
     for (const SimulatedRobot& robot : truth.world->at(frame.t_capture()).robots) {
-      // The whole camera's picture, of which a tile shows a part.
+      // The image of the whole camera; a tile shows a part of it.
       const auto pixel = truth.cameras.at(0).project({robot.x_mm, robot.y_mm, robot.height_mm});
       const double x = pixel ? pixel->x() - 340.0 * camera : 0;
       if (!pixel || x < 20 || x > kWidth - 20 || pixel->y() < 20 || pixel->y() > 560) continue;
@@ -208,7 +210,7 @@ TEST_F(Daemon, SendsTheGeometryThatIsSetAndServesTheLeagues) {
   daemon.patch(Json::array({{{"op", "replace"}, {"path", "/field"}, {"value", presets[0]["field"]}},
                             {{"op", "replace"}, {"path", "/ball_models"}, {"value", nullptr}}}));
   SSL_GeometryData changed = next_geometry();
-  while (changed.field().field_length() != 12000) changed = next_geometry();  // those sent before
+  while (changed.field().field_length() != 12000) changed = next_geometry();  // skip those sent before
   EXPECT_EQ(changed.field().boundary_width_goal_line(), 600);
   EXPECT_EQ(changed.field().field_lines_size(), 12);
   EXPECT_EQ(changed.field().field_arcs_size(), 1);
@@ -259,7 +261,7 @@ TEST_F(Daemon, AChangeIsLiveSavedAndSurvivesAKill) {
     RunningDaemon daemon(settings_file(), state_);
     daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["robots"] >= 4; });
     EXPECT_EQ(daemon.patch(three)["saved"], true);
-    // Nothing is quite sure: the robots are gone as soon as the change is live.
+    // No detection reaches confidence 1: the robots vanish as soon as the change is live.
     daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["robots"] <= 2; });
     daemon.process().send_signal(SIGKILL);
     daemon.process().wait_for_exit();
@@ -361,11 +363,11 @@ TEST_F(Daemon, GoesOnWhenTheNetworkCardIsNotThereAndSaysSo) {
   daemon.wait_for_status([](const Json& s) { return s["network"]["error"] == "" && s["alerts"].empty(); });
 }
 
-// ---- settings that cannot be used: exit 78 and one line with file, key, value and what is allowed
+// ---- unusable settings: exit code 78 and one line with file, key, value and what is allowed
 
 struct BadSettings {
   const char* name;
-  const char* patch;  // on the demo's settings
+  const char* patch;  // applied to the demo's settings
   std::vector<std::string> words;
 };
 void PrintTo(const BadSettings& bad, std::ostream* out) {
@@ -447,7 +449,8 @@ TEST(Arguments, WrongOnesEndWithSixtyFour) {
   EXPECT_EQ(run_to_end({ctl_program(), "no-such-command"}).exit_code, 64);
   EXPECT_THAT(run_to_end({daemon_program(), "--config", "/no/such.json"}).output,
               AllOf(HasSubstr("/no/such.json"), HasSubstr("No such file")));
-  EXPECT_THAT(run_to_end({daemon_program(), "--version"}).output, HasSubstr("ssl-visiond 0."));
+  EXPECT_THAT(run_to_end({daemon_program(), "--version"}).output,
+              MatchesRegex("ssl-visiond [0-9]+\\.[0-9]+\\.[0-9]+\n"));
   EXPECT_THAT(run_to_end({ctl_program(), "--daemon", "http://127.0.0.1:1", "status"}).output,
               HasSubstr("no daemon answers"));
 }
@@ -474,4 +477,4 @@ TEST(Arguments, PrintConfigIsAWholeTreeThatCanBeUsed) {
 }
 
 }  // namespace
-}  // namespace sslv::test
+}  // namespace sslv::test::daemon_test

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The history of alerts and of what was done, asked from the running service: over a loss, a kill, a stop, a full disk
-// and a clock that is set.
+// The history of alerts and actions, read from the running service: across a lost camera, a kill, a stop, a full disk
+// and a clock change.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { existsSync, readFileSync, writeFileSync } from 'node:fs';
@@ -25,7 +25,7 @@ const entries = async (service) => (await events(service)).entries;
 const entriesBecome = (service, wanted) => becomes(() => entries(service), wanted);
 const of = (all, id) => all.filter((entry) => entry.id === id);
 const lostOf = (all) => of(all, 'camera_lost');
-/** What a service that dies now would leave. */
+/** The history that would survive if the service died now. */
 const saved = (service) => {
   const file = join(service.state, 'events.json');
   return existsSync(file) ? JSON.parse(readFileSync(file, 'utf8')).entries : [];
@@ -56,7 +56,7 @@ describe('the history of alerts and events', () => {
     const told = (...words) => execFileSync(CTL, ['--daemon', `http://127.0.0.1:${service.port}`, 'events', ...words], { encoding: 'utf8' });
     assert.match(told(), /bad +Camera 0 is lost.*not-there/);
     assert.match(told(), /Settings changed: \/cameras\/0\/source.* by 127\.0\.0\.1/);
-    assert.match(told('--bad'), /^began +lasted +severity +what\n(.*\n)*.*Camera 0 is lost/); // a busy computer may have something newer
+    assert.match(told('--bad'), /^began +lasted +severity +what\n(.*\n)*.*Camera 0 is lost/); // a busy computer may add newer entries
     assert.doesNotMatch(told('--bad'), /Settings changed/);
     const json = JSON.parse(told('--bad', '--json'));
     assert.ok(json.entries.length >= 1 && json.entries.every(({ severity }) => severity === 'bad'));
@@ -135,7 +135,7 @@ describe('the history of alerts and events', () => {
     const packets = await service.listen();
     await becomes(() => onDisk('ls', service.state), (names) => names.includes('events.json'));
     onDisk('sh', '-c', `dd if=/dev/zero of=${service.state}/filler bs=4k 2>/dev/null || true`);
-    // Something comes, so that there is something to save.
+    // An event is needed, so that there is something to save.
     assert.equal((await service.set('/site', 'Refused')).status, 507);
     const { save_problem: problem, entries: now } = await becomes(() => events(service), ({ save_problem: one, entries: all }) => one !== '' && of(all, 'settings_not_saved').length === 1);
     assert.match(problem, /events\.json.*No space left on device/);
@@ -158,7 +158,7 @@ describe('the history of alerts and events', () => {
     const service = await create({ cameras: [smallCamera(0, 30)] });
     await service.start();
     await becomes(() => service.status(), ({ cameras }) => cameras[0].frames > 30);
-    // While it stands still, the simulated camera goes on.
+    // While the service is stopped, the simulated camera continues.
     service.process.kill('SIGSTOP');
     const before = Date.now();
     await becomes(() => Date.now() - before, (ms) => ms > 1500);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The real service as one that things happen to: it is killed, its disk is full, its clock is set.
+// The real service under faults: it is killed, its disk is full, its clock is set.
 //   SSLV_DAEMON        the service; default: the release build
-//   SSLV_FAULT_TRIES   how often each fault is made to happen, as a factor; default 1, which takes seconds
-//   SSLV_FAULT_TABLE   a file to which each fault's row of a table in Markdown is added
+//   SSLV_FAULT_TRIES   factor for the number of repetitions of each fault; default: 1, which takes seconds
+//   SSLV_FAULT_TABLE   a file to which each fault's row of a table in Markdown is appended
 import assert from 'node:assert/strict';
 import { execFileSync, spawn } from 'node:child_process';
 import { appendFileSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -15,14 +15,14 @@ import { becomes, DAEMON, freeUdpPort, listenTo, root } from './service.mjs';
 
 export const CLOCK = join(DAEMON, '../../lib/shifted_clock.so');
 export const HUNG_DISK = join(DAEMON, '../../lib/hung_disk.so');
-/** An environment in which a program loads this library first. By its name: LD_PRELOAD takes no path with a space. */
+/** An environment that preloads this library. By name, as LD_PRELOAD accepts no path with a space. */
 export const preload = (library) => ({ LD_PRELOAD: basename(library), LD_LIBRARY_PATH: dirname(library) });
-/** Asked by ./run faults, on a machine that does nothing else: how long it takes is then a part of the verdict. */
+/** Set by ./run faults, on an otherwise idle machine: only there are durations asserted. */
 export const IS_TIMED = Boolean(process.env.SSLV_FAULT_TABLE);
 const FACTOR = Number(process.env.SSLV_FAULT_TRIES ?? 1);
 export const tries = (few, many) => Math.max(1, Math.min(many, Math.round(few * FACTOR)));
 
-/** Why the caller cannot make namespaces of its own; false when it can. */
+/** Why this process cannot create its own namespaces; false if it can. */
 export function cannotUnshare() {
   if (process.getuid() !== 0) return 'needs root, to make a file system or network of its own';
   try {
@@ -34,8 +34,8 @@ export function cannotUnshare() {
 }
 
 /**
- * Adds a row to the table: how often, how much was counted as lost (frames, or answered saves; null: nothing was there
- * to be counted), how long it took to be well again.
+ * Adds a row to the table: number of repetitions, how much was lost (frames, or confirmed saves; null: not applicable),
+ * and the recovery times.
  */
 export function report(fault, count, lost, times_ms = []) {
   const sorted = [...times_ms].sort((a, b) => a - b);
@@ -45,7 +45,7 @@ export function report(fault, count, lost, times_ms = []) {
   console.log(row);
 }
 
-/** A camera of `id` that costs little: 156x116 pixels, `rate` pictures a second. */
+/** A cheap camera: 156x116 pixels, `rate` frames per second. */
 export function smallCamera(id, rate = 30) {
   const [camera] = JSON.parse(readFileSync(join(root, 'config/demo.json'), 'utf8')).cameras;
   const scale = 0.2;
@@ -58,14 +58,14 @@ export function smallCamera(id, rate = 30) {
 }
 
 export class FaultyService {
-  /** Nothing runs yet. `wrap`: a program with its arguments that starts the service; the service takes its place. */
+  /** Does not start the service yet. `wrap`: a program with arguments that execs the service. */
   constructor(group, { cameras = [smallCamera(0)], environment = {}, wrap = [] } = {}) {
     this.folder = mkdtempSync(join(tmpdir(), 'ssl-visiond-faults.'));
     this.state = join(this.folder, 'state');
     this.settingsFile = join(this.folder, 'admin.json');
     this.environment = environment;
     this.wrap = wrap;
-    // Without memory for the last seconds, which comes some seconds after the start: tests look whether memory grows.
+    // Without the image ring, which is allocated some seconds after the start: tests check that memory does not grow.
     this.settings = {
       network: { vision: { group, interface: 'lo' }, referee: { enabled: false } }, panel: { port: 0 }, recording: { last_seconds: { memory_mb: 0 } }, cameras,
     };
@@ -82,7 +82,7 @@ export class FaultyService {
     writeFileSync(this.settingsFile, text);
   }
 
-  /** The process is there when this returns, no more. */
+  /** Returns when the process exists, before it is ready. */
   spawn() {
     const [program, ...words] = [...this.wrap, DAEMON, '--config', this.settingsFile, '--panel', join(root, 'webui/dist')];
     this.log = [];
@@ -103,7 +103,7 @@ export class FaultyService {
     this.ready.catch(() => {});
   }
 
-  /** Milliseconds until it was ready. */
+  /** Starts the service; returns the milliseconds until it was ready. */
   async start() {
     const began = performance.now();
     this.spawn();
@@ -127,7 +127,7 @@ export class FaultyService {
     rmSync(this.folder, { recursive: true, force: true });
   }
 
-  /** On a connection of its own: {status, json}; throws when there is no whole answer. */
+  /** Sends a request on a connection of its own: {status, json}; throws if the answer is incomplete. */
   ask(method, path, body) {
     return new Promise((resolve, reject) => {
       const text = body === undefined ? '' : JSON.stringify(body);
@@ -163,7 +163,7 @@ export class FaultyService {
   alertGoes = (wanted) => becomes(this.alerts, (ids) => !ids.includes(wanted));
   alertComes = async (wanted) => (await becomes(this.status, ({ alerts }) => alerts.some(({ id }) => id === wanted))).alerts.find(({ id }) => id === wanted);
 
-  /** Names of files in the state folder, with those of its folders; each whole JSON, where it is JSON. */
+  /** Names of the files in the state folder and its subfolders; throws if a JSON file does not parse. */
   stateFiles(folder = this.state) {
     return readdirSync(folder, { recursive: true }).filter((name) => {
       if (name.endsWith('.json')) JSON.parse(readFileSync(join(folder, name), 'utf8'));
@@ -171,7 +171,7 @@ export class FaultyService {
     });
   }
 
-  /** Collects the packets of detections: {camera, number, capture_s, sent_s, at_ms}. */
+  /** Collects the detection packets: {camera, number, capture_s, sent_s, at_ms}. */
   async listen(address = '127.0.0.1') {
     const { group, port } = this.settings.network.vision;
     const frames = [];
@@ -190,8 +190,8 @@ export class FaultyService {
         await becomes(() => of(camera).length, (now) => now >= before + count);
       },
       /**
-       * Frames that cameras' pipelines made and nobody got, from the first on that came: of one camera or of all. What
-       * came and this process was too slow to take is not among them.
+       * Number of frames that pipelines produced but that did not arrive, counted from the first one that did; of one
+       * camera or of all. Does not count packets that this process was too slow to receive.
        */
       lost(...cameras) {
         const gaps = cameras.flatMap((camera) => of(camera).slice(1).map(({ number }, i) => Math.max(0, number - of(camera)[i].number - 1)));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nothing that was called saved is lost, and nothing that was refused is there: whatever the disk does, and whenever
-// the service is killed.
+// Nothing confirmed as saved is lost, and nothing refused is kept: whatever the disk does, and whenever the service is
+// killed.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
@@ -31,7 +31,7 @@ describe('killed while it saves', () => {
     const rounds = tries(40, 500);
     const starts = [];
     let site = 0, revision = 0, painted = 0, saves = 0;
-    // What may be there: the last that was answered, or a later one that was asked for.
+    // Allowed after a kill: the last confirmed value, or a later one that was requested.
     const profiles = Array.from({ length: 4 }, () => ({ answered: 0, asked: 0 }));
     const sites = { answered: 0, asked: 0 };
     const tables = { answered: 0, asked: 0 };
@@ -51,7 +51,7 @@ describe('killed while it saves', () => {
         await service.good('PUT', `api/profiles/p${place}`, { settings: { site: `profile ${one.asked}` } });
         one.answered = one.asked;
       },
-      // Each paints one cell more, beside those before.
+      // Each edit paints one more cell, different from the earlier ones.
       async table() {
         const n = painted++;
         tables.asked++;
@@ -62,7 +62,7 @@ describe('killed while it saves', () => {
       },
     };
     let cells = null;
-    let lost = 0; // saves that were answered, and are not there
+    let lost = 0; // confirmed saves that are missing
     const isThere = (found, { answered, asked }, what) => {
       lost += Math.max(0, answered - found);
       assert.ok(found <= asked, `${what}: ${found}, though only ${asked} was asked for`);
@@ -87,7 +87,7 @@ describe('killed while it saves', () => {
       }
       const cyan = await cyanCells(service);
       cells ??= cyan;
-      // A cell is a cell of the table only once; edits that were not answered may be there or not.
+      // Each edit adds new cells; edits that were not confirmed may be missing or present.
       assert.ok(cyan >= cells, `${cyan} cells, there were ${cells}`);
       if (painted < 3000 && tables.each !== undefined) isThere((cyan - cells) / tables.each, tables, 'painted cells');
       cells = cyan;
@@ -98,7 +98,7 @@ describe('killed while it saves', () => {
         tables.each = (await cyanCells(service)) - cells;
         assert.ok(tables.each > 0);
       }
-      // Nothing is left behind; the history of alerts is written now and then.
+      // No temporary files remain; the alert history is written from time to time.
       await becomes(() => service.stateFiles().filter((name) => /\.(new|old|rejected.*)$/.test(name)), (names) => names.length === 0);
 
       let killed = false;
@@ -117,7 +117,7 @@ describe('killed while it saves', () => {
       killed = true;
       await service.kill('SIGKILL');
       await Promise.all(busy);
-      service.stateFiles(); // each JSON file is whole
+      service.stateFiles(); // throws if a JSON file is incomplete
     }
     await service.start();
     await service.stop();
@@ -130,7 +130,7 @@ describe('a disk that is full, or cannot be written', { skip: cannotUnshare() },
   const onDisk = (service, ...words) => execFileSync('nsenter', ['-t', String(service.process.pid), '-m', ...words], { stdio: 'pipe' });
   const inNamespace = (mount) => ['unshare', '--mount', '--propagation', 'private', 'sh', '-c', `${mount}; exec "$@"`, 'sh'];
 
-  /** Each is refused with the file and why, and leaves what there was. */
+  /** Each write is refused with the file and the reason, and changes nothing. */
   async function refusesAll(service, why) {
     const before = await service.get('api/settings');
     const cells = await cyanCells(service);
@@ -190,7 +190,7 @@ describe('a disk that is full, or cannot be written', { skip: cannotUnshare() },
         await packets.more(0, 3);
       }
       const lost = packets.lost(0);
-      // The history of alerts is written now and then.
+      // The alert history is written from time to time.
       await becomes(() => onDisk(service, 'ls', service.state).toString().split('\n').filter((name) => /new|old|rejected/.test(name)), (names) => names.length === 0);
       packets.close();
       await service.stop();
@@ -256,7 +256,7 @@ describe("the admin's file", () => {
     const look = () => [createHash('sha256').update(readFileSync(service.settingsFile)).digest('hex'), statSync(service.settingsFile).mtimeMs, readdirSync(service.folder).filter((name) => name !== 'state').join()];
     const before = look();
     chmodSync(service.settingsFile, 0o444);
-    // For root a mount, as rights do not bind it.
+    // A read-only mount for root, who is not bound by permissions.
     if (!cannotUnshare()) service.wrap = ['unshare', '--mount', '--propagation', 'private', 'sh', '-c', 'mkdir -p "$0" && mount --bind "$1" "$1" && mount --bind "$0" "$0" && mount -o remount,bind,ro "$1"; shift; exec "$@"', service.state, service.folder];
     await service.start();
     for (const [path, value] of [['/site', 'Hall 2'], ['/cameras/0/name', 'left'], ['/field/field_length', 6000]]) assert.equal((await service.set(path, value)).status, 200);
@@ -331,7 +331,6 @@ describe('many changes', () => {
     const viewers = [];
     for (const camera of [0, 1, 1]) viewers.push(await openViewer(service.port, { camera, width: 156, fps: 30 }));
     const rss_kB = () => Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${service.process.pid}/status`, 'utf8'))[1]);
-    const threads = () => readdirSync(`/proc/${service.process.pid}/task`).length;
     const count = tries(200, 1000);
     const changes = [
       (n) => ['/site', `Site ${n}`],
@@ -345,7 +344,7 @@ describe('many changes', () => {
     const times = [];
     let before_kB = 0;
     let revision = (await service.get('api/settings')).revision;
-    const warm = Math.floor(0.4 * count); // history and caches have filled
+    const warm = Math.floor(0.4 * count); // history and caches are full by then
     await packets.more(0, 5);
     const dropped = async () => (await service.status()).cameras.reduce((sum, { frames_dropped: n }) => sum + n, 0);
     const droppedBefore = await dropped();
@@ -366,7 +365,7 @@ describe('many changes', () => {
     const saved = JSON.parse(readFileSync(join(service.state, 'settings.json'), 'utf8'));
     assert.equal(saved.revision, revision);
     assert.ok(saved.history.length <= 300 && saved.history.length > Math.min(299, count - 1), `${saved.history.length} steps`);
-    // The allocator's arenas fill unevenly; what is lost at each change would be more.
+    // The allocator's arenas fill unevenly; a leak at each change would exceed this margin.
     assert.ok(after_kB < before_kB * 1.3 + 4096, `${before_kB} kB, then ${after_kB} kB`);
     await packets.more(0, 5);
     await packets.more(1, 5);
@@ -404,11 +403,11 @@ describe('a disk that hangs', { skip: existsSync(HUNG_DISK) ? false : `${HUNG_DI
     writeFileSync(hung, '');
     await becomes(() => existsSync(`${hung}.reached`), (reached) => reached);
 
-    // A tracker says more than finds room until the disk is back.
+    // Sends more tracker data than can be buffered until the disk is back.
     const sender = createSocket('udp4').bind(0, '127.0.0.1');
     await once(sender, 'listening');
     sender.setMulticastInterface('127.0.0.1');
-    // A TrackerWrapperPacket: "a" as uuid, a name of 50,000 bytes, a frame with its number and time.
+    // A TrackerWrapperPacket: uuid "a", a name of 50,000 bytes, a frame with its number and time.
     const large = Buffer.concat([Buffer.from([0x0a, 1, 0x61, 0x12, 0xd0, 0x86, 3]), Buffer.alloc(50_000, 'x'), Buffer.from([0x1a, 11, 8, 1, 0x11, ...Buffer.alloc(8)])]);
     const lost = async () => {
       for (let i = 0; i < 40; i++) await new Promise((sent) => { sender.send(large, port, group, sent); });
@@ -418,13 +417,13 @@ describe('a disk that hangs', { skip: existsSync(HUNG_DISK) ? false : `${HUNG_DI
     sender.close();
     assert.match(alert.title, /^The match log lacks \d+ messages: the disk was too slow, or too much was sent$/);
     assert.deepEqual([alert.severity, alert.page], ['warn', '#/recordings']);
-    await packets.more(0, 10); // all goes on meanwhile
+    await packets.more(0, 10); // processing continues meanwhile
 
     rmSync(hung);
     const { match_log: now } = await service.get('api/recordings');
     assert.equal(now.state, 'recording', now.error);
     assert.ok(now.lost > 0);
-    // What comes then is recorded.
+    // New messages are recorded.
     await becomes(() => service.get('api/recordings'), ({ match_log }) => match_log.messages.vision > now.messages.vision + 5);
     await service.good('POST', 'api/recordings/match-log', { record: false });
     await service.alertGoes('recording_lost');

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Run by faults_run.test.mjs in a network of its own: its card is taken out and put back, and packets are kept on the
-// computer although there is a card. Exit code 77: the kernel has no cards to play with.
+// Run by faults_run.test.mjs in a network namespace: the network card is removed and restored, and packets stay on the
+// computer although there is a card. Exit code 77: the kernel has no virtual cards.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { FaultyService, report, tries } from './faults.mjs';
@@ -33,7 +33,7 @@ try {
   await service.set('/network/vision/interface', 'field0');
   await service.alertGoes('only_this_computer');
 
-  // Somebody pulls the cable: the card itself is still up, and takes every packet.
+  // The cable is unplugged: the card itself is still up and accepts every packet.
   ip('link', 'set', 'switch0', 'down');
   assert.match((await service.alertComes('card_no_link')).title, /field0/);
   assert.equal((await service.status()).network.error, '');

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A match log that is being written while the service is killed, or while the power fails: what was on the disk is there,
-// and the file can always be read. That at most a second is missing then ./run faults looks at, on a machine that does
-// nothing else.
+// A match log is being written while the service is killed or the power fails: what was on the disk remains, and the
+// file can always be read. The limit of one second of missing data is only checked by ./run faults, on an otherwise
+// idle machine.
 import assert from 'node:assert/strict';
 import { execFileSync, spawn } from 'node:child_process';
 import { closeSync, copyFileSync, existsSync, mkdirSync, openSync, readdirSync, readFileSync, writeFileSync, writeSync } from 'node:fs';
@@ -25,7 +25,7 @@ async function create() {
 }
 after(() => Promise.all(services.map((service) => service.remove())));
 
-/** The times (Unix, s) of all messages of a packed log, by its format's description; fails where it is not whole. */
+/** The times (Unix, s) of all messages in a packed log, read from the format's description; fails if it is damaged. */
 function timesIn(file) {
   const bytes = gunzipSync(readFileSync(file));
   assert.equal(bytes.toString('latin1', 0, 12), 'SSL_LOG_FILE');
@@ -34,17 +34,18 @@ function timesIn(file) {
   return times;
 }
 
-/** Messages that a log must have at a time (Unix, s), whatever happens then, by what the service says while it records. */
+/** Messages that a log must contain at a time (Unix, s) in any case, derived from what the service reports while
+ * recording. */
 class Written {
   sure = [];
   #bytes = 0;
-  #seen = null; // messages that had come, and how often more was written since
+  #seen = null; // messages received so far, and the number of writes since
 
   look({ bytes, messages }) {
     const count = Object.values(messages).reduce((sum, one) => sum + one);
     if (bytes > this.#bytes && this.#seen) this.#seen.writes++;
     this.#bytes = bytes;
-    // The first may have begun before they came.
+    // The first write may have begun before they were received.
     if (this.#seen?.writes === 2) {
       this.sure.push({ at_s: Date.now() / 1000, count: this.#seen.count });
       this.#seen = null;
@@ -54,7 +55,7 @@ class Written {
   before = (at_s) => this.sure.findLast((one) => one.at_s <= at_s)?.count ?? 0;
 }
 
-/** What was written is there; and where it is timed, no more than a second is missing. */
+/** Everything written is there; in timed runs at most a second is missing. */
 function missingOf(times, written, end_s) {
   assert.ok(times.length >= written.before(end_s), `${times.length} messages, but ${written.before(end_s)} were written`);
   const missing_s = end_s - times.at(-1);
@@ -94,7 +95,7 @@ describe('a match log while the service is killed', () => {
   });
 });
 
-/** What came to a disk: [{ kind, time_s, place, bytes }]. */
+/** The requests that a disk received: [{ kind, time_s, place, bytes }]. */
 function disksLog(file) {
   const all = readFileSync(file), records = [];
   const HEAD = 21;
@@ -114,7 +115,7 @@ function cannotCutPower() {
   return ['/dev/fuse', '/dev/loop-control'].every(existsSync) ? false : 'needs /dev/fuse and loop devices';
 }
 
-/** Attaches a file as a disk and mounts it; returns how to take it away again. */
+/** Attaches a file as a disk and mounts it; returns a function that detaches it. */
 function mountImage(image, folder) {
   mkdirSync(folder, { recursive: true });
   const device = execFileSync('losetup', ['--find', '--show', image], { encoding: 'utf8' }).trim();
@@ -131,8 +132,8 @@ function mountImage(image, folder) {
 }
 
 describe('a match log while the power fails', () => {
-  // A real file system (ext4) on a disk that writes down what comes to it. After a cut the disk has all that came before
-  // the last flush, and of what came since, any part.
+  // A real file system (ext4) on a disk that logs its requests. After a power cut the disk has all writes before the
+  // last flush, and any subset of the later ones.
   it('has what was written, and is made whole', { skip: cannotCutPower() }, async () => {
     const service = await create();
     const cuts = tries(12, 200), recorded_s = 10 + cuts / 4;
@@ -165,13 +166,13 @@ describe('a match log while the power fails', () => {
     }
 
     const records = disksLog(diskLog);
-    // What is on the disk for certain grows with the time of the cut.
+    // The part that is certainly on the disk grows with the time of the cut.
     const sure = join(service.folder, 'sure.img'), image = join(service.folder, 'cut.img'), folder = join(service.folder, 'cut');
     writeFileSync(sure, '');
     execFileSync('truncate', ['--size', `${DISK_BYTES}`, sure]);
     const times_s = Array.from({ length: cuts }, () => began_s + 2 + Math.random() * (ended_s - began_s - 2)).sort((a, b) => a - b);
     const lost_ms = [];
-    let at = 0; // records before it are on the disk
+    let at = 0; // records before this index are on the disk
     for (const cut_s of times_s) {
       const end = records.findIndex(({ time_s }) => time_s > cut_s);
       const flushed = records.slice(0, end).findLastIndex(({ kind }) => kind === 'F');
@@ -195,7 +196,7 @@ describe('a match log while the power fails', () => {
         unmount();
       }
     }
-    // And the service does the same when it starts with such a disk.
+    // The service does the same repair when it starts on such a disk.
     const unmount = mountImage(image, service.state);
     try {
       await service.start();

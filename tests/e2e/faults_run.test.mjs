@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The service goes on: cameras that fail beside good ones, ports that are taken, clocks that are set, networks that go
-// and come back, signals at any moment.
+// The service keeps running: with failing cameras beside good ones, ports in use, clock changes, networks that vanish
+// and return, signals at any moment.
 import assert from 'node:assert/strict';
 import { execFileSync, spawn } from 'node:child_process';
 import { randomBytes } from 'node:crypto';
@@ -26,7 +26,7 @@ after(() => Promise.all(services.map((service) => service.remove())));
 const picture = join(root, 'tests/golden/division_b.jpg');
 
 describe('a camera that fails', () => {
-  /** Each makes a source out of a folder of its own. */
+  /** Each builds a source from a folder of its own. */
   const faults = {
     'is not there': (folder) => ({ backend: 'files', path: join(folder, 'not-there') }),
     'hangs when it is opened': (folder) => {
@@ -147,7 +147,7 @@ describe('a clock that is set', { skip: existsSync(CLOCK) ? false : `${CLOCK} is
     const times = [];
     let astride = 0, uptime = 0, drops = 0;
     const now = async () => (await service.status()).time - Date.now() / 1000;
-    const HALF_AN_HOUR_S = 1800; // tells the clocks apart, however late something comes
+    const HALF_AN_HOUR_S = 1800; // tells the clocks apart, however late a packet is
     for (let round = 0; round < rounds; round++) {
       for (const hours of [1, 0, -1, 0]) {
         const before = packets.frames.length;
@@ -156,7 +156,7 @@ describe('a clock that is set', { skip: existsSync(CLOCK) ? false : `${CLOCK} is
         await becomes(now, (ahead_s) => Math.abs(ahead_s - hours * 3600) < HALF_AN_HOUR_S);
         await packets.more(0, 10);
         await packets.more(1, 10);
-        // Frames that were in the works when it was set may have one time by the old clock, one by the new; none after them.
+        // Frames in progress during the clock change may have one time from each clock; no later frame may.
         const since = packets.frames.slice(before);
         const isTorn = ({ capture_s, sent_s }) => Math.abs(sent_s - capture_s) > HALF_AN_HOUR_S;
         const isRight = ({ sent_s, capture_s }) => sent_s - capture_s >= -0.001 && !isTorn({ capture_s, sent_s }) && Math.abs(sent_s - Date.now() / 1000 - hours * 3600) < HALF_AN_HOUR_S;
@@ -173,8 +173,8 @@ describe('a clock that is set', { skip: existsSync(CLOCK) ? false : `${CLOCK} is
         assert.ok(status.uptime_s >= uptime && status.uptime_s < uptime + HALF_AN_HOUR_S, `up for ${status.uptime_s} s after ${uptime} s`);
         uptime = status.uptime_s;
         for (const { id, since: since_s } of status.alerts) {
-          // What the clock has nothing to do with: this computer, and cameras that all look at one half. Of frames that were in
-          // the works when it was set the field says for ten seconds that their time is off.
+          // Alerts that do not depend on the clock: this computer's, and cameras that all see one half. For ten seconds
+          // the field also reports wrong times, because of the frames that were in progress during the change.
           assert.ok(['frames_dropped', 'stage_slow', 'camera_slow', 'only_this_computer', 'field_uncovered', 'camera_off_time'].includes(id), id);
           assert.ok(since_s <= status.time && since_s > status.time - HALF_AN_HOUR_S, `${id} since ${since_s}, now ${status.time}`);
         }
@@ -185,7 +185,7 @@ describe('a clock that is set', { skip: existsSync(CLOCK) ? false : `${CLOCK} is
         }
         assert.equal(await service.get('healthz'), 'ok\n');
         assert.equal((await service.set('/site', `Hour ${hours}, ${round}`)).status, 200);
-        // The timeline is kept once a second.
+        // The timeline gets an entry once a second.
         await becomes(() => service.get('api/timeline?seconds=60'), ({ time_s: seconds }) => seconds.every((time_s, i) => Math.abs(time_s - status.time) < HALF_AN_HOUR_S && (i === 0 || time_s > seconds[i - 1])));
       }
     }
@@ -201,7 +201,7 @@ describe('a clock that is set', { skip: existsSync(CLOCK) ? false : `${CLOCK} is
 
 describe('a network card that is taken out', { skip: cannotUnshare() }, () => {
   it('and put back: multicast goes on, and an alert says so meanwhile', async (t) => {
-    // In a network of its own, with its client.
+    // In its own network namespace, together with its client.
     const script = fileURLToPath(new URL('faults_network.mjs', import.meta.url));
     const inner = spawn('unshare', ['--net', process.execPath, script], { stdio: 'inherit' });
     const [code] = await once(inner, 'exit');
@@ -213,7 +213,7 @@ describe('a network card that is taken out', { skip: cannotUnshare() }, () => {
 describe('a signal at any moment of the start', () => {
   const OWN_SIGNALS = (1n << 0n) | (1n << 1n) | (1n << 14n); // SIGHUP, SIGINT, SIGTERM
 
-  /** Without giving the processor away, as the start takes only some milliseconds. Says whether that came. */
+  /** Busy-waits, as the start takes only a few milliseconds. Returns whether the process got that far. */
   function waitForFirstInstruction(pid) {
     for (;;) {
       let blocked;
@@ -240,7 +240,7 @@ describe('a signal at any moment of the start', () => {
     const rounds = tries(15, 300);
     const ends = [], readies = [];
     for (let round = 0; round < rounds; round++) {
-      const delay = longest * (round + Math.random()) / rounds; // in time, every moment has its turn
+      const delay = longest * (round + Math.random()) / rounds; // covers every moment over all rounds
       service.spawn();
       assert.ok(waitForFirstInstruction(service.process.pid));
       wait(delay);

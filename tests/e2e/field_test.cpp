@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The real daemon's tracks: from simulated pixels over two cameras to the packet, and cameras of another
-// computer.
+// The real daemon's tracks: from the simulated pixels of two cameras to the packet, and with cameras of
+// another computer.
 #include "capture/simulator/simulator_world.h"
 #include "config/config.h"
 #include "ctl/track_score.h"
@@ -20,7 +20,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv::test {
+namespace sslv::test::field_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -40,7 +40,7 @@ class Field : public DaemonTest {
     if (!datagram || !packet.ParseFromString(*datagram)) throw std::runtime_error("no tracks came");
     return packet;
   }
-  /// Until `good` says so of the tracks; throws when that does not happen.
+  /// Waits for tracks that satisfy `good`; throws on timeout.
   template <class Good>
   TrackerWrapperPacket wait_for_tracks(Good good) {
     const auto deadline = std::chrono::steady_clock::now() + kPatience;
@@ -58,7 +58,7 @@ class Field : public DaemonTest {
 TEST_F(Field, TracksAreWhereTheRobotsAreAlthoughCamerasDiffer) {
   make_images_small(settings_, 30);
   for (Json& camera : settings_["cameras"]) camera["source"]["speed"] = 0.5;
-  // Not hanging where their calibrations say, not taking images together, with times that are not quite true.
+  // The cameras are displaced from their calibrations, are not synchronised, and have inexact times.
   settings_["cameras"][0]["source"]["errors"] = {{"moved_x_mm", -1.5}, {"time_jitter_ms", 0.2}};
   settings_["cameras"][1]["source"]["errors"] = {{"moved_x_mm", 1.5},
                                                  {"phase", 0.4},
@@ -72,8 +72,8 @@ TEST_F(Field, TracksAreWhereTheRobotsAreAlthoughCamerasDiffer) {
   const TrackerWrapperPacket first = receive_tracks();
   EXPECT_EQ(first.source_name(), "field test");
   EXPECT_THAT(first.tracked_frame().capabilities(), ::testing::SizeIs(3));
-  // Once cameras have been brought together, and as long as a busy computer keeps them up: 300 packets in
-  // which all is as it should be. Nothing is ever where nothing is.
+  // Once the clocks are aligned, and if a busy computer does not disturb: 300 packets within all limits. No
+  // ghost is allowed at any time.
   const auto are_good = [&](TrackScorer& scorer) {
     for (int i = 0; i < 300; ++i) {
       const TrackerWrapperPacket packet = receive_tracks();
@@ -129,7 +129,7 @@ TEST_F(Field, ACameraOfAnotherComputerIsShownAndTrackedOnceItIsNamed) {
   EXPECT_EQ(field.at("other_cameras")[0].at("is_used"), false);
   Json status = daemon.wait_for_status([](const Json& s) { return has_alert(s, "vision_other"); });
   EXPECT_EQ(status["network"]["other_visions"].at(0).at("is_named"), false);
-  // Until here nothing of it was used: this computer's camera does not see all robots.
+  // None of its detections were used so far: this computer's camera does not see all robots.
   const double shown_s = unix_now_s();
   wait_for_tracks([&](const TrackedFrame& frame) {
     EXPECT_LT(robots(frame), 12U);
@@ -159,7 +159,7 @@ TEST_F(Field, ACameraOfAnotherComputerIsShownAndTrackedOnceItIsNamed) {
   EXPECT_EQ(field.at("other_cameras")[0].at("is_used"), false);
 }
 
-/// As a switch without IGMP leaves it: multicast is lost, broadcasts come.
+/// Like a switch without IGMP: multicast is lost, broadcasts arrive.
 TEST_F(Field, AComputerThatBroadcastsIsHeardAsOneThatDoesNot) {
   Json other = settings_;
   other["cameras"].erase(0);
@@ -174,7 +174,7 @@ TEST_F(Field, AComputerThatBroadcastsIsHeardAsOneThatDoesNot) {
   daemon.wait_for("/api/field", [](const Json& answer) {
     return answer.at("other_cameras").size() == 1 && answer.at("robots").size() == 12;
   });
-  // What goes both ways counts once.
+  // A packet that arrives both ways counts once.
   const Json packets = daemon.wait_for("/api/network/packets", [](const Json& answer) {
     return !answer.at("detections").empty() && answer.at("arrivals").size() == 1 &&
            answer["arrivals"][0].at("multicast") == true;
@@ -185,7 +185,7 @@ TEST_F(Field, AComputerThatBroadcastsIsHeardAsOneThatDoesNot) {
   const Json& heard = packets["detections"][0];
   EXPECT_LE(heard.at("packets").get<std::uint64_t>(),
             heard.at("packet").at("detection").at("frame_number").get<std::uint64_t>() + 1);
-  // Teams hear it both ways.
+  // Teams receive it both ways.
   while (!receive(listener_).has_detection()) {
   }
 }
@@ -202,7 +202,7 @@ TEST_F(Field, ItsStackIsCheckedAndChangedWhileItRuns) {
   wait_for_tracks([&](const TrackedFrame& frame) { return frame.timestamp() > refused_s; });
   daemon.set("/field/stack", Json::array());
   daemon.wait_for("/api/field", [](const Json& answer) { return answer.at("stages").empty(); });
-  // What was tracked last is not shown as if it were still seen.
+  // The last tracks are not shown as if they were current.
   daemon.wait_for("/api/field", [](const Json& answer) { return answer.at("robots").empty(); });
   daemon.set("/field/stack", {"gather", "clocks", "agreement", "track", "publish"});
   const double since_s = unix_now_s();
@@ -213,7 +213,7 @@ TEST_F(Field, ItsStackIsCheckedAndChangedWhileItRuns) {
   EXPECT_EQ(packet.uuid(), uuid);
   daemon.set("/network/tracker/enabled", false);
   EXPECT_EQ(daemon.get("/api/field").at("sends"), false);
-  // From the next image on nothing is sent, whatever is tracked.
+  // From the next image on nothing is sent, even though tracking continues.
   const auto after_images = [&](int images) {
     const int enough = daemon.get("/api/field").at("frames").get<int>() + images;
     return daemon.wait_for("/api/field", [&](const Json& field) { return field.at("frames") >= enough; });
@@ -222,17 +222,17 @@ TEST_F(Field, ItsStackIsCheckedAndChangedWhileItRuns) {
   EXPECT_EQ(after_images(10).at("packets_sent"), off.at("packets_sent"));
 }
 
-/// What other computers' cameras say is nonsense, all of it at least a metre from where our robots are. Ours
-/// see the whole field, and robots that stand: whatever moves one is the stranger. Only while they look: a
-/// busy computer holds them up, and then another computer may be the only one that knows.
+/// Other computers' cameras send nonsense, always at least a metre from our robots. Our cameras see the whole
+/// field and standing robots, so any motion of a track comes from the foreign data. Only compared while our
+/// cameras deliver images: on a busy computer they stall, and another computer may then be the only source.
 TEST_F(Field, ForeignNonsenseHarmsNoTrack) {
-  settings_["field"]["other_computers"] = Json::array({"127.0.0.1"});  // by an admin who is wrong
+  settings_["field"]["other_computers"] = Json::array({"127.0.0.1"});  // wrongly trusted by an admin
   for (Json& camera : settings_["cameras"]) {
     camera["source"].update(Json{{"speed", 0}, {"frame_rate_hz", 20}});
     camera["calibration"]["focal_length"] = camera["calibration"]["focal_length"].get<double>() / 2;
   }
   RunningDaemon daemon(settings_file(), state_);
-  // Until they are known to be seen steadily.
+  // Until the tracks are established.
   daemon.wait_for_status([](const Json& status) {
     return std::ranges::all_of(status["cameras"], [](const Json& one) { return one["frames"] > 60; });
   });
@@ -245,7 +245,7 @@ TEST_F(Field, ForeignNonsenseHarmsNoTrack) {
   above.tz = 4000;
   above.pixel_image_width = 640;
   above.pixel_image_height = 480;
-  // Cameras of ids that nobody has, and one of ours; in two packets, as more of one are not believed.
+  // Unused camera ids and one of ours; in two packets, as the number of cameras accepted from one is limited.
   SSL_WrapperPacket packet;
   for (const auto& [first, end] : {std::pair(0U, 32U), std::pair(32U, 60U)}) {
     std::vector<CalibratedCamera> cameras;
@@ -258,13 +258,13 @@ TEST_F(Field, ForeignNonsenseHarmsNoTrack) {
   const SimulatedWorld world = simulated_world(read_config(settings_));
   double worst_mm = 0;
   int compared = 0, strangers = 0;
-  std::map<std::uint32_t, double> looked_s;  // our cameras, last
+  std::map<std::uint32_t, double> looked_s;  // last capture time of each of our cameras
   const auto compare = [&](const TrackedFrame& frame) {
     while (const auto datagram = listener_.receive(1)) {
       SSL_WrapperPacket heard;
       if (!heard.ParseFromString(*datagram) || !heard.has_detection()) continue;
       const SSL_DetectionFrame& image = heard.detection();
-      // The stranger's images are of another year.
+      // The foreign images have times that are off by 1e6 s.
       if (std::abs(image.t_capture() - frame.timestamp()) < 1e5)
         looked_s[image.camera_id()] = image.t_capture();
     }
@@ -294,7 +294,7 @@ TEST_F(Field, ForeignNonsenseHarmsNoTrack) {
     const double now_s = unix_now_s();
     RobotList robots;
     BallList balls;
-    // Robots that there are, where they are not; others; and some far away.
+    // Existing robots in wrong places, robots that do not exist, and some far away.
     for (const SimulatedRobot& one : world.at(now_s).robots) {
       const double off_mm = one.x_mm > 0 ? -1000.0 - round % 2000 : 1000.0 + round % 2000;
       robots.robots.push_back({one.team, one.id, one.x_mm + off_mm, one.y_mm, 0, 140, 0, 0, 0.9});
@@ -305,12 +305,12 @@ TEST_F(Field, ForeignNonsenseHarmsNoTrack) {
     }
     balls.balls.push_back({round % 3 == 0 ? nan : 100, 0, 0, 0, 50, 1});
     const double t_s = now_s + (round % 2 == 0 ? 1e6 : -1e6);
-    const std::uint32_t id = round % 7 == 0 ? 0 : 2 + round % 58;  // 0: is ours
+    const std::uint32_t id = round % 7 == 0 ? 0 : 2 + round % 58;  // 0 is ours
     write_detection({.camera_id = id, .number = round, .times = {.t_capture_s = t_s}}, robots, balls,
                     round % 2 == 0 ? t_s : now_s, packet);
     stranger.send(serialize(packet, buffer));
     TrackedFrame tracked;
-    do {  // of what this listener was late for, too
+    do {  // also compares frames that this listener received late
       tracked = receive_tracks().tracked_frame();
       compare(tracked);
     } while (tracked.timestamp() < now_s);
@@ -329,11 +329,11 @@ TEST_F(Field, KeepsItsUuidAcrossRestarts) {
     uuid = receive_tracks().uuid();
     EXPECT_EQ(uuid.size(), 36U);
   }
-  while (tracks_.receive(1)) {  // of the one that has ended
+  while (tracks_.receive(1)) {  // drop those of the daemon that has ended
   }
   RunningDaemon daemon(settings_file(), state_);
   EXPECT_EQ(receive_tracks().uuid(), uuid);
 }
 
 }  // namespace
-}  // namespace sslv::test
+}  // namespace sslv::test::field_test

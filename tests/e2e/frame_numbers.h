@@ -14,7 +14,7 @@
 
 namespace sslv::test {
 
-/// Watches one camera's packets in a thread of its own, from the construction on.
+/// Watches one camera's packets in its own thread, starting on construction.
 class FrameNumbers {
  public:
   FrameNumbers(std::uint16_t port, std::uint32_t camera)
@@ -28,7 +28,7 @@ class FrameNumbers {
     if (thread_.joinable()) thread_.join();
   }
 
-  /// Until so many more frames have come.
+  /// Waits for `frames` more frames.
   void wait_for(int frames) const {
     const int enough = frames_ + frames;
     const auto deadline = std::chrono::steady_clock::now() + kPatience;
@@ -39,12 +39,12 @@ class FrameNumbers {
     }
   }
 
-  // After stop().
+  // Valid after stop().
   int frames() const { return frames_; }
-  /// Numbers that were left out, and datagrams that this was too late for.
+  /// Skipped frame numbers, including those of datagrams that this listener lost, see overflows().
   int missing() const { return missing_; }
   std::uint32_t overflows() const { return listener_.overflows(); }
-  /// The longest time between two of its pictures.
+  /// The longest interval between two of its frames.
   double longest_gap_s() const { return longest_gap_s_; }
 
  private:
@@ -71,7 +71,7 @@ class FrameNumbers {
   std::atomic<int> frames_{0};
   int missing_ = 0;
   double longest_gap_s_ = 0;
-  std::thread thread_;  // the last: works on the others
+  std::thread thread_;  // last member: uses the others
 };
 
 }  // namespace sslv::test

@@ -12,8 +12,8 @@
 
 namespace sslv::test {
 
-/// Camera 0 of the demo as a GigE camera with a larger Bayer sensor. Few images a second, so that a busy
-/// computer receives them whole.
+/// Camera 0 of the demo as a GigE camera with a larger Bayer sensor. A low frame rate, so that a busy
+/// computer receives complete images.
 class Gige : public DaemonTest {
  protected:
   static constexpr int kWidth = 1280, kHeight = 952;
@@ -28,13 +28,13 @@ class Gige : public DaemonTest {
     camera["source"].update(
         Json{{"width", kWidth}, {"height", kHeight}, {"pixel_format", "bayer_rg8"}, {"frame_rate_hz", 10}});
     scene_.emplace(camera);
-    // A busy computer is late for both, and no camera is lost by that.
+    // On a busy computer both are late; the camera must not be lost because of that.
     scene_->served["heartbeat_s"] = kPatience.count();
     camera["source"] = {{"backend", "aravis"}, {"camera", "127.0.0.1"}, {"silence_s", kPatience.count()}};
     settings_["cameras"][1]["source"]["frame_rate_hz"] = 20;
   }
 
-  /// With what scene_->served says now.
+  /// Starts the camera with the current scene_->served.
   std::unique_ptr<ChildProcess> start_camera() const {
     return start_gige_camera(folder_.write("served.json", scene_->served.dump(2)));
   }
@@ -49,7 +49,7 @@ class Gige : public DaemonTest {
   std::optional<GigeScene> scene_;
 };
 
-/// As the camera says; null: it has none of this name.
+/// A control as reported by the camera; null if it has none of this name.
 inline Json control(const RunningDaemon& daemon, const std::string& name) {
   const Json answer = daemon.get("/api/cameras/0/controls");
   for (const Json& one : answer["controls"]) {
@@ -62,7 +62,7 @@ inline double exposure_us(const RunningDaemon& daemon) {
   return control(daemon, "ExposureTimeAbs")["value"].get<double>();
 }
 
-/// Camera 1 was watched, and nothing of it is missing.
+/// Checks that no frame of the watched camera 1 is missing.
 inline void expect_nothing_missing(FrameNumbers& other) {
   other.stop();
   std::printf("other camera: %d frames, the longest gap %.1f ms\n", other.frames(),

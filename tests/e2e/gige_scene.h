@@ -12,24 +12,24 @@
 
 namespace sslv::test {
 
-/// What is right in a published frame.
+/// Evaluation of a published frame.
 struct FrameCheck {
-  int robots = 0;       // that are wholly in the picture
+  int robots = 0;       // completely visible robots
   int missed = 0;       // of these
-  int wrong = 0;        // published ids that are not there
-  double error_mm = 0;  // summed up over those that were found
+  int wrong = 0;        // published ids that do not exist
+  double error_mm = 0;  // sum over the robots that were found
 
   FrameCheck& operator+=(const FrameCheck& other);
 };
 
-/// A simulated camera of the settings as the picture of a GigE camera. What it sees stands still, so that the
-/// truth does not depend on when a picture was drawn.
+/// A simulated camera of the settings as the image of a GigE camera. The scene is static, so the truth does
+/// not depend on when an image was drawn.
 class GigeScene {
  public:
-  /// `camera`: of the settings, with source "simulator" and calibration.
+  /// `camera`: from the settings, with source "simulator" and a calibration.
   explicit GigeScene(const Json& camera);
 
-  /// For fake_gige_camera; tests may change it.
+  /// Settings of fake_gige_camera; tests may change it.
   Json served;
 
   FrameCheck check(const SSL_DetectionFrame& frame) const;
@@ -39,7 +39,7 @@ class GigeScene {
   CameraModel model_;
 };
 
-/// Ready when it returns.
+/// Returns when the camera is ready.
 std::unique_ptr<ChildProcess> start_gige_camera(const std::string& served_file,
                                                 const std::string& address = "127.0.0.1");
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What becomes of a GigE camera that fails in the ways that such cameras fail.
+// GigE cameras that fail in typical ways.
 #include "e2e/gige.h"
 
 #include <csignal>
 
 #include <gmock/gmock.h>
 
-namespace sslv::test {
+namespace sslv::test::gige_supervision_test {
 namespace {
 
 using ::testing::AnyOf;
@@ -21,7 +21,7 @@ TEST_F(Gige, AMonoCameraRunsAndFindsNothing) {
   EXPECT_EQ(status["cameras"][0]["robots"], 0) << "patterns are told apart by colour";
 }
 
-/// Aravis' simulated camera answers no request to send a packet again: what is lost stays lost.
+/// Aravis' simulated camera ignores resend requests, so lost packets stay lost.
 TEST_F(Gige, APictureWithPacketsMissingIsCountedAndNeverTakenForWhole) {
   scene_->served["lost_packets"] = 0.01;
   settings_["cameras"][0]["source"]["packet_size"] = 16000;
@@ -42,7 +42,7 @@ TEST_F(Gige, APictureWithPacketsMissingIsCountedAndNeverTakenForWhole) {
               status["reconnects"].get<int>());
 }
 
-/// Closing waits for the stopped camera's answers, so the other camera must not depend on it.
+/// Closing waits for answers of the stopped camera, so the other camera must not depend on it.
 TEST_F(Gige, ASilentCameraComesBackWithItsControlsAndTheOtherLosesNoFrame) {
   scene_->served["heartbeat_s"] = 3;
   settings_["cameras"][0]["source"].update(
@@ -83,15 +83,15 @@ TEST_F(Gige, ACameraThatComesBackWithAnotherSizeRunsAndItsCalibrationIsDoubted) 
   EXPECT_EQ(title_of_alert(status, "calibration_other_size"),
             "Camera 0 sends 640x480 pixels, its calibration was made for 1280x952");
 
-  // And back.
+  // And back to the original size.
   camera.reset();
   scene_->served = served;
   camera = start_camera();
-  // Alerts of what was seen with the wrong size stay for a while.
+  // Alerts about frames of the wrong size remain for a while.
   daemon.wait_for_status([](const Json& s) {
     return s["cameras"][0]["width"] == kWidth && s["cameras"][0]["robots"] > 0 && s["alerts"].empty();
   });
 }
 
 }  // namespace
-}  // namespace sslv::test
+}  // namespace sslv::test::gige_supervision_test

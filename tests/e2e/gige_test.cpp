@@ -2,14 +2,16 @@
 // The daemon with a GigE Vision camera, over the camera's network protocol on loopback.
 #include "e2e/gige.h"
 
+#include "support/becomes.h"
 #include "support/gvsp_packets.h"
 
 #include <algorithm>
 #include <csignal>
+#include <stdexcept>
 
 #include <gmock/gmock.h>
 
-namespace sslv::test {
+namespace sslv::test::gige_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -30,7 +32,7 @@ TEST_F(Gige, RobotsAreFoundInBayerPicturesFromTheNetwork) {
   const int found = seen.robots - seen.missed;
   std::printf("mean error %.2f mm over %d robots\n", seen.error_mm / found, found);
   EXPECT_LT(seen.error_mm / found, 3);
-  // A frame is counted after its packet has left.
+  // A frame is counted after its packet was sent.
   const Json status = daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["frames"] >= 60; });
   EXPECT_EQ(status["cameras"][0]["pixel_format"], "bayer_rg8");
 }
@@ -41,7 +43,7 @@ TEST_F(Gige, ForgedPacketsShowNothingOfTheServiceAndDoNotEndIt) {
   const Json before =
       daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["robots"] > 0; })["cameras"][0];
 
-  // Of the camera's own address, from whatever port: leaders of several parts of which nothing comes.
+  // From the camera's own address, from any port: multipart leaders without payload.
   const UdpForger forger;
   const std::uint16_t port = forger.stream_port_of("127.0.0.1");
   std::uint64_t frame = 0x4000;
@@ -77,7 +79,7 @@ TEST_F(Gige, ACameraThatDiesComesBackAndTheOtherLosesNoFrame) {
   EXPECT_THAT(title_of_alert(lost, "camera_lost"), HasSubstr("Camera 0 is lost"));
   EXPECT_NE(lost["cameras"][0]["error"], "");
   EXPECT_EQ(lost["cameras"][0]["robots"], 0);
-  other.wait_for(30);  // whatever becomes of the lost one
+  other.wait_for(30);  // unaffected by the lost camera
   const auto frames_before = lost["cameras"][0]["frames"].get<int>();
 
   camera.reset();
@@ -99,7 +101,7 @@ TEST_F(Gige, ControlsAreSetLiveSavedAndSetAgainAfterALoss) {
   const auto is_running = [](const Json& s) { return s["cameras"][0]["state"] == "running"; };
   const Json before = daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["frames"] > 0; });
 
-  // Saved, and in force at once without opening the camera anew.
+  // Saved and applied at once without reopening the camera.
   const Json patch = {
       {{"op", "add"}, {"path", "/cameras/0/source/controls/ExposureTimeAbs"}, {"value", 4000.0}}};
   daemon.patch(patch);
@@ -107,7 +109,7 @@ TEST_F(Gige, ControlsAreSetLiveSavedAndSetAgainAfterALoss) {
   const Json after = daemon.get("/api/status");
   EXPECT_EQ(after["cameras"][0]["reconnects"], before["cameras"][0]["reconnects"]);
 
-  // A dry run asks the camera nothing.
+  // A dry run sends no request to the camera.
   daemon.post("/api/settings/check",
               {{{"op", "replace"},
                 {"path", "/cameras/0/source/controls"},
@@ -115,7 +117,7 @@ TEST_F(Gige, ControlsAreSetLiveSavedAndSetAgainAfterALoss) {
   EXPECT_EQ(exposure_us(daemon), 4000);
   EXPECT_EQ(control(daemon, "TriggerMode")["value"], "Off");
 
-  // Refused with what is allowed: neither saved nor set, nor is what went with it.
+  // Refused with the allowed values: nothing of the patch is saved or set.
   const Json refused = daemon.patch(
       {{{"op", "replace"}, {"path", "/cameras/0/source/controls/ExposureTimeAbs"}, {"value", 5000.0}},
        {{"op", "add"}, {"path", "/cameras/0/source/controls/PixelFormat"}, {"value", "Sepia"}}},
@@ -126,7 +128,7 @@ TEST_F(Gige, ControlsAreSetLiveSavedAndSetAgainAfterALoss) {
   EXPECT_EQ(daemon.get("/api/settings")["settings"]["cameras"][0]["source"]["controls"],
             Json({{"ExposureTimeAbs", 4000.0}}));
 
-  // Set and not saved, which everybody is told.
+  // Set but not saved, which is reported to all clients.
   const Json set = daemon.post("/api/cameras/0/controls/ExposureTimeAbs", {{"value", 6000.0}});
   EXPECT_EQ(set["value"], 6000);
   EXPECT_EQ(set["unsaved"], true);
@@ -139,7 +141,7 @@ TEST_F(Gige, ControlsAreSetLiveSavedAndSetAgainAfterALoss) {
   EXPECT_EQ(told["cameras"][0]["controls_unsaved"], 1);
   EXPECT_THAT(told["alerts"].dump(), HasSubstr("Camera 0: 1 control is set and not saved"));
 
-  // A camera that lost its power comes back as it was saved.
+  // A camera that lost power comes back with the saved values.
   camera->send_signal(SIGKILL);
   daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["state"] == "lost"; });
   daemon.get("/api/cameras/0/controls", 409);
@@ -164,7 +166,7 @@ TEST_F(Gige, UnsavedControlsAndUndoGoBackToWhatTheCameraHad) {
     daemon.post("/api/cameras/0/controls/ExposureAuto", {{"value", other_mode}});
   };
 
-  // Never saved, so only the camera knew what it was.
+  // Never saved, so only the camera knew the earlier value.
   set();
   EXPECT_EQ(control(daemon, "ExposureAuto")["unsaved"], true);
   EXPECT_EQ(control(daemon, "ExposureAuto")["saved_value"], nullptr);
@@ -176,13 +178,13 @@ TEST_F(Gige, UnsavedControlsAndUndoGoBackToWhatTheCameraHad) {
   EXPECT_EQ(control(daemon, "ExposureAuto")["value"], mode_before);
   EXPECT_EQ(exposure_us(daemon), exposure_before_us);
   EXPECT_EQ(daemon.get("/api/status")["cameras"][0]["controls_unsaved"], 0);
-  // Events are gathered once a second.
+  // Events are collected once a second.
   daemon.wait_for("/api/events", [](const Json& events) {
     return events.dump().find("Camera 0: 2 unsaved controls were reverted") != std::string::npos;
   });
   daemon.post("/api/cameras/0/revert_controls", {{"names", "ExposureAuto"}}, 400);
 
-  // Saved, and undone.
+  // Saved, then undone.
   set();
   daemon.patch({{{"op", "add"},
                  {"path", "/cameras/0/source/controls"},
@@ -201,7 +203,7 @@ TEST_F(Gige, AControlThatTheCameraRefusesAtTheOpeningIsAnAlert) {
   const Json status = daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["robots"] > 0; });
   EXPECT_EQ(title_of_alert(status, "control_refused"),
             "Camera 0 refused a control: Colour: the camera has no such control");
-  // It may answer later than is waited for at one time.
+  // Its answer may take longer than one discovery waits.
   daemon.wait_for("/api/sources", [](const Json& answer) {
     return std::ranges::any_of(answer["sources"], [](const Json& source) {
       return source["backend"] == "aravis" && source["serial"] == "TEST01";
@@ -220,12 +222,20 @@ TEST_F(Gige, ACameraInUseIsNotOpenedForAnImageByAnyOfItsNames) {
   }
   const Json mine = daemon.get("/api/settings")["settings"]["cameras"][0];
   daemon.patch({{{"op", "remove"}, {"path", "/cameras/0"}}});
-  // Free now; what it shows does not change it.
+  // The camera is free now; taking an image from it must not change its controls.
   const Json source{{"backend", "aravis"},
                     {"camera", "127.0.0.1"},
                     {"silence_s", kPatience.count()},
                     {"controls", {{"GainRaw", 7}}}};
-  daemon.post("/api/sources/image", {{"source", source}});
+  // On a busy machine no image may come in the time that an admin waits.
+  EXPECT_TRUE(becomes([&] {
+    try {
+      daemon.post("/api/sources/image", {{"source", source}});
+      return true;
+    } catch (const std::runtime_error&) {
+      return false;
+    }
+  }));
   daemon.patch({{{"op", "add"}, {"path", "/cameras/0"}, {"value", mine}}});
   daemon.wait_for_status(
       [](const Json& s) { return s["cameras"].size() == 2 && s["cameras"][0]["state"] == "running"; });
@@ -254,4 +264,4 @@ TEST_F(Gige, ACameraThatIsSwitchedOnLaterIsFound) {
 }
 
 }  // namespace
-}  // namespace sslv::test
+}  // namespace sslv::test::gige_test

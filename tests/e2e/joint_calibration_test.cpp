@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The real daemon calibrates its two simulated cameras together. The simulator goes on drawing with the
-// calibrations that it was started with, so that they can be spoilt and found again.
+// The real daemon calibrates its two simulated cameras jointly. The simulator keeps drawing with the
+// calibrations that it was started with, so the calibrations in the settings can be spoilt and recovered.
 #include "base/params_json.h"
 #include "e2e/calibration_points.h"
 #include "e2e/running_daemon.h"
@@ -14,7 +14,7 @@
 #include <gmock/gmock.h>
 #include <httplib.h>
 
-namespace sslv::test {
+namespace sslv::test::joint_calibration_test {
 namespace {
 
 using ::testing::AllOf;
@@ -31,8 +31,8 @@ CameraModel model_of(const Json& calibration) {
 class JointCalibration : public DaemonTest {
  protected:
   JointCalibration() {
-    // Nearer to the middle than in the demo, so that their pictures overlap by a metre; slow enough for a
-    // busy computer.
+    // Closer to the centre than in the demo, so that their images overlap by a metre; slow enough for a busy
+    // computer.
     settings_["cameras"][0]["calibration"]["ty"] = -2000;
     settings_["cameras"][1]["calibration"]["ty"] = 2000;
     for (Json& camera : settings_["cameras"]) {
@@ -43,7 +43,7 @@ class JointCalibration : public DaemonTest {
     settings_["network"]["referee"] = {{"group", GroupListener::kGroup}, {"port", referee_group_.port()}};
   }
 
-  /// Puts calibrations into force that are some centimetres off, and returns them.
+  /// Applies calibrations that are some centimetres off, and returns them.
   Json spoil(const RunningDaemon& daemon) const {
     daemon.wait_for_status(
         [](const Json& s) { return s["cameras"][0]["fps"] > 0 && s["cameras"][1]["fps"] > 0; });
@@ -69,7 +69,8 @@ class JointCalibration : public DaemonTest {
     for (const Json& camera : settings["settings"]["cameras"]) out.push_back(camera["calibration"]);
     return out;
   }
-  /// Largest distance, where both cameras look, between where these calibrations have the same thing.
+  /// Largest distance in mm between the positions of one point according to the two calibrations, in the
+  /// overlap.
   double worst_disagreement_mm(const Json& calibrations, double height_mm) const {
     const std::array models{model_of(calibrations[0]), model_of(calibrations[1])};
     double worst = 0;
@@ -150,7 +151,7 @@ TEST_F(JointCalibration, CamerasAgreeOnceItIsAccepted) {
   }
   daemon.post(kAccept, Json::object(), 409);
 
-  // Each camera can be taken back by itself.
+  // Each camera can be reverted separately.
   EXPECT_EQ(daemon.post("/api/cameras/1/calibration/revert")["calibration"], wrong[1]);
   EXPECT_EQ(in_settings(daemon), Json::array({found[0], wrong[1]}));
 }
@@ -247,7 +248,7 @@ TEST_F(JointCalibration, RunsOnceCanBeCancelledAndIsLockedWhileTheGameRuns) {
   EXPECT_EQ(daemon.post(kReject)["state"], "idle");
   EXPECT_EQ(in_settings(daemon), wrong);
 
-  daemon.post(kPath, {{"seconds", 600}}, 202);  // the daemon's end does not wait for it
+  daemon.post(kPath, {{"seconds", 600}}, 202);  // the daemon's shutdown does not wait for it
   daemon.process().send_signal(SIGTERM);
   EXPECT_EQ(daemon.process().wait_for_exit(), 0) << daemon.process().output();
 }
@@ -262,12 +263,12 @@ TEST_F(JointCalibration, OfOtherPicturesIsNeverAccepted) {
     EXPECT_THAT(state["problem"].get<std::string>(), HasSubstr("was changed since"));
     daemon.post(kAccept, {{"force", true}}, 409);
   };
-  // Done, then a camera gets another source.
+  // The calibration is done, then a camera gets another source.
   daemon.post(kPath, {{"seconds", 0}, {"frames", 1}}, 202);
   ASSERT_EQ(wait_for_end(daemon)["state"], "done");
   daemon.set("/cameras/1/source/speed", 0.7);
   expect_invalid();
-  // It goes while the job runs.
+  // The camera is removed while the calibration runs.
   daemon.post(kPath, {{"seconds", 600}}, 202);
   daemon.patch(Json::array({{{"op", "remove"}, {"path", "/cameras/1"}}}));
   expect_invalid();
@@ -276,7 +277,7 @@ TEST_F(JointCalibration, OfOtherPicturesIsNeverAccepted) {
 TEST_F(JointCalibration, WhatIsNotGoodEnoughIsTakenByForceOnly) {
   RunningDaemon daemon(settings_file(), state_);
   spoil(daemon);
-  // Robots that are said to be lower than they are: only cameras that hang lower agree about them.
+  // The robot heights are set too low: the cameras could agree on the robots only if they hung lower.
   daemon.patch(Json::array({{{"op", "replace"}, {"path", "/teams/yellow/robot_height"}, {"value", 110}},
                             {{"op", "replace"}, {"path", "/teams/blue/robot_height"}, {"value", 110}}}));
   daemon.post(kPath, {{"seconds", 6}, {"frames", 3}}, 202);
@@ -290,4 +291,4 @@ TEST_F(JointCalibration, WhatIsNotGoodEnoughIsTakenByForceOnly) {
 }
 
 }  // namespace
-}  // namespace sslv::test
+}  // namespace sslv::test::joint_calibration_test

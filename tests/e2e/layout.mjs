@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an eye would find wrong with a page's layout, found by measuring: text or controls that are cut, out of reach or
-// on top of each other, targets too small for a finger, images too small to see robots in.
+// Finds visible layout faults of a page by measuring: text or controls that are cut, unreachable or overlapping, touch
+// targets that are too small, images too small to see robots in.
 
-/** The shortest side of what a finger hits, in CSS pixels (WCAG 2.5.5). */
+/** Minimum side of a touch target, in CSS pixels (WCAG 2.5.5). */
 export const FINGER_PX = 44;
 
 /**
- * The least shorter side of a page's main camera image, as a share of the window's shorter side. At 0.4, on the smallest
- * phone, half a field of 4.5 m is 144 px wide: a robot of 180 mm is 6 px, which can still be pointed at.
+ * Minimum of the shorter side of a page's main camera image, relative to the shorter side of the window. At 0.4, on the
+ * smallest phone, half a field of 4.5 m is 144 px wide: a robot of 180 mm is 6 px, which can still be tapped.
  */
 export const LEAST_IMAGE = 0.4;
 
 /**
- * What is meant to be as it is: {kind, selector, why}. It holds for elements that match the selector or are in one that
- * does; of two that overlap, for either. A new page's exceptions go here, with a reason.
+ * Intended exceptions: {kind, selector, why}. Each applies to elements that match the selector or are inside one that
+ * does; for an overlap, to either element. Add exceptions for new pages here, with a reason.
  */
 export const exceptions = [
   { kind: 'overlap', selector: '.tile .open', why: 'the whole image leads to its camera, and its name stands on it' },
@@ -26,7 +26,7 @@ export const exceptions = [
 ];
 
 /**
- * Runs in the browser: all faults of what is shown now, as {kind, at, what}.
+ * Runs in the browser: returns all faults currently visible, as {kind, at, what}.
  * kind: wide, cut, outside, overlap, small, image.
  */
 function look({ isTouch, exceptions, finger, leastImage }) {
@@ -39,7 +39,7 @@ function look({ isTouch, exceptions, finger, leastImage }) {
     return styles.get(element);
   };
 
-  // ---- words for an element
+  // ---- description of an element
 
   const shorten = (text, length = 40) => {
     const words = text.replace(/\s+/g, ' ').trim();
@@ -63,10 +63,10 @@ function look({ isTouch, exceptions, finger, leastImage }) {
     if (!isMeant(kind, element, ...(other ? [other] : []))) faults.push({ kind, at: placeOf(element), what });
   };
 
-  // ---- what is shown, and what cuts it
+  // ---- visibility and clipping
 
   const hiddenOnes = new Map();
-  /** For ears only, or not there. */
+  /** For screen readers only, or not rendered. */
   function isHidden(element) {
     if (!element || element === document.documentElement) return false;
     if (!hiddenOnes.has(element)) {
@@ -77,7 +77,7 @@ function look({ isTouch, exceptions, finger, leastImage }) {
   const isShown = (element) => element.checkVisibility({ opacityProperty: true, visibilityProperty: true }) && !isHidden(element);
   const contains = (style) => /paint|strict|content/.test(style.contain);
   const holdsFixed = (style) => style.transform !== 'none' || style.filter !== 'none' || /paint|layout|strict|content/.test(style.contain);
-  /** The next element around that may cut this one; null: only the window. */
+  /** The nearest ancestor that may clip this element; null: only the window does. */
   function around(element) {
     const { position } = styleOf(element);
     let next = element.parentElement;
@@ -96,20 +96,20 @@ function look({ isTouch, exceptions, finger, leastImage }) {
   const scrolls = (value) => value === 'auto' || value === 'scroll';
   const cuts = (value) => value === 'hidden' || value === 'clip';
   /**
-   * Follows a box out to the window. Gives what is visible of it now, the element that scrolls it, and what cuts it
-   * where no scrolling helps.
+   * Follows a box outwards to the window. Returns its currently visible part, the element that scrolls it, and the
+   * fault if a part is clipped that scrolling cannot reveal.
    */
   function follow(start, box, isText) {
     let rect = plain(box);
     let seen = plain(box);
-    /** What a shortened text still shows. */
+    /** The part that remains visible of a shortened text. */
     let kept = plain(box);
     let scroller = null;
     let isFixed = false;
     const slackX = 1.5;
     const slackY = isText ? Math.max(1.5, 0.16 * (box.bottom - box.top)) : 1.5;
     let fault = null;
-    /** A text is cut by its own element, too. */
+    /** A text is also clipped by its own element. */
     for (let element = isText ? start : around(start), from = start; ; from = element, element = around(element)) {
       if (['fixed', 'sticky'].includes(styleOf(from).position)) { isFixed ||= styleOf(from).position === 'fixed'; scroller ??= from; }
       if (!element) break;
@@ -124,7 +124,7 @@ function look({ isTouch, exceptions, finger, leastImage }) {
           const by = Math.max(inside[low] - rect[low], rect[high] - inside[high]);
           if (by > slack) {
             const isShort = low === 'left' ? style.textOverflow === 'ellipsis' : style.webkitLineClamp !== 'none';
-            // The panel gives a shortened text its title when a pointer comes.
+            // The panel adds a title to a shortened text when the pointer enters it.
             if (isShort && !element.closest('[title]')) element.dispatchEvent(new PointerEvent('pointerover', { bubbles: true }));
             if (isShort) kept = { ...kept, [low]: Math.max(kept[low], inside[low]), [high]: Math.min(kept[high], inside[high]) };
             if (isShort && element.closest('[title]')) rect = { ...rect, [low]: Math.max(rect[low], inside[low]), [high]: Math.min(rect[high], inside[high]) };
@@ -153,12 +153,12 @@ function look({ isTouch, exceptions, finger, leastImage }) {
     else tell('cut', element, `${what} is cut by ${fault.by} px ${fault.axis === 'x' ? 'sideways' : 'in height'} by ${nameOf(fault.element)}${fault.isShort ? ', shortened without a title that says all' : ''}`);
   }
 
-  // ---- what there is
+  // ---- controls and texts of the page
 
   const CONTROLS = 'a[href], button, input, select, textarea, summary, [role="button"], [role="slider"], [role="tab"], [role="checkbox"], [role="switch"], [role="radio"]';
-  // An open dialog is all there is.
+  // An open modal dialog hides everything else.
   const all = document.querySelector('dialog:modal') ?? document.body;
-  // A link in a sentence has a box a line.
+  // A link in a sentence has one box per line.
   const boxesOf = (element) => (styleOf(element).display === 'inline' ? [...element.getClientRects()] : [element.getBoundingClientRect()]);
   const controls = [...all.querySelectorAll(CONTROLS)].filter((element) => isShown(element) && element.type !== 'hidden')
     .flatMap((element) => boxesOf(element).map((box) => ({ element, box, isControl: true })))
@@ -180,7 +180,7 @@ function look({ isTouch, exceptions, finger, leastImage }) {
   const wide = Math.max(document.documentElement.scrollWidth, document.body.scrollWidth) - width;
   if (wide > 0) faults.push({ kind: 'wide', at: 'document', what: `scrolls sideways by ${wide} px` });
 
-  // ---- cut and out of reach
+  // ---- clipped or unreachable
 
   for (const item of [...controls, ...texts]) {
     item.way = follow(item.element, item.box, !item.isControl);
@@ -204,21 +204,21 @@ function look({ isTouch, exceptions, finger, leastImage }) {
     if (scrolls(style.overflowX) && element.scrollWidth > element.clientWidth + 1 && element.clientWidth < 120) tell('cut', element, `only ${element.clientWidth} px of ${element.scrollWidth} px are seen of what scrolls in it`);
   }
 
-  // ---- on top of each other
+  // ---- overlapping
 
   const isRelated = (a, b) => a.contains(b) || b.contains(a);
   const labelOf = (element) => element.closest('label');
   const isSameLabel = (a, b) => labelOf(a) !== null && (labelOf(a) === labelOf(b) || labelOf(a).control === b || labelOf(b)?.control === a);
-  /** A menu that a button opened covers what is below, as dialogs do. */
+  /** A menu opened by a button covers what is below it, like a dialog. */
   const opened = [...document.querySelectorAll('[aria-expanded="true"][aria-controls]')].map((button) => document.getElementById(button.getAttribute('aria-controls'))).filter(Boolean);
   const isMenu = (element) => opened.some((menu) => menu.contains(element) && ['absolute', 'fixed'].includes(styleOf(menu).position));
   const isOpaque = (element) => /^rgb\(|^color\([^/]*\)$/.test(styleOf(element).backgroundColor) && styleOf(element).opacity === '1';
-  /** The bar that stands still and hides what scrolls beneath it, if the element is in one. */
+  /** The opaque fixed or sticky bar that contains the element; null if it is in none. */
   function barOf(element) {
     for (let at = element; at; at = at.parentElement) if (['fixed', 'sticky'].includes(styleOf(at).position) && isOpaque(at)) return at;
     return null;
   }
-  /** Whether both are seen where they meet: nothing opaque lies between. */
+  /** Whether both are visible where they overlap: nothing opaque is between them. */
   function areBothSeen(a, b, x, y) {
     const stack = document.elementsFromPoint(x, y);
     const top = stack.findIndex((element) => element === a || element === b);
@@ -237,15 +237,15 @@ function look({ isTouch, exceptions, finger, leastImage }) {
     for (let j = i + 1; j < items.length && items[j].box.top < items[i].box.bottom; j++) {
       const [p, q] = [items[i], items[j]];
       if (isRelated(p.element, q.element) || isSameLabel(p.element, q.element)) continue;
-      if (barOf(p.element) !== barOf(q.element)) continue; // what it covers for good is told below
-      // What scrolls together meets wherever it is; else only what is seen now counts.
+      if (barOf(p.element) !== barOf(q.element)) continue; // permanent covering by a bar is reported below
+      // Elements in the same scroller overlap at every scroll position; for others only the visible parts count.
       const isTogether = p.way.scroller === q.way.scroller;
       const both = isTogether ? meet(p.way.kept, q.way.kept) : meet(p.way.seen, q.way.seen);
-      // Letters reach neither the top nor the bottom of their lines.
+      // Letters do not fill the full height of their line.
       if (both.x < 3 || both.y < (p.isControl && q.isControl ? 3 : 5)) continue;
-      // What an ancestor cuts is told above; what is scrolled away is not seen.
+      // Clipping by an ancestor is reported above; parts scrolled out of view are invisible.
       if (p.way.fault || q.way.fault || isMenu(p.element) !== isMenu(q.element)) continue;
-      // A badge in the corner of a control that is pressed through it.
+      // A badge on the corner of a control that lets clicks through.
       if (p.isControl !== q.isControl && styleOf((p.isControl ? q : p).element).pointerEvents === 'none') continue;
       const key = `${placeOf(p.element)} ${placeOf(q.element)}`;
       if (told.has(key) || isMeant('overlap', p.element, q.element)) continue;
@@ -255,7 +255,7 @@ function look({ isTouch, exceptions, finger, leastImage }) {
         return (isControl ? boxesOf(element) : [...range.getClientRects()]).find((one) => Math.abs(one.width - box.width) < 1) ?? element.getBoundingClientRect();
       });
       const still = meet(a, b);
-      if (still.x < 2 || still.y < 2) continue; // what stands still over what scrolls
+      if (still.x < 2 || still.y < 2) continue; // a fixed element over a scrolling one
       const x = (Math.max(a.left, b.left) + Math.min(a.right, b.right)) / 2;
       const y = (Math.max(a.top, b.top) + Math.min(a.bottom, b.bottom)) / 2;
       if (!areBothSeen(p.element, q.element, x, y)) continue;
@@ -264,14 +264,14 @@ function look({ isTouch, exceptions, finger, leastImage }) {
     }
   }
 
-  // ---- texts that something lies on
+  // ---- covered texts
 
-  /** Where a line of text is now; undefined: it cannot be told. */
+  /** The current box of a line of text; undefined if it cannot be determined. */
   function lineOf({ box, node }) {
     range.selectNodeContents(node);
     return [...range.getClientRects()].find((one) => Math.abs(one.width - box.width) < 1 && Math.abs(one.height - box.height) < 1);
   }
-  /** What lies on a text where it is now; null: nothing, or it cannot be told. */
+  /** The element that currently covers a text; null if there is none or it cannot be determined. */
   function whatCovers(item) {
     const { element, way } = item;
     const now = lineOf(item);
@@ -282,7 +282,7 @@ function look({ isTouch, exceptions, finger, leastImage }) {
       const x = now.left + 2 + share * (right - now.left - 4);
       if (x < 0 || x >= width || y < 0 || y >= height) continue;
       const stack = document.elementsFromPoint(x, y);
-      // What is not among them is cut by what scrolls, or not to be pointed at.
+      // An element that is not in the stack is clipped by a scroller or ignores the pointer.
       const above = stack.slice(0, Math.max(0, stack.indexOf(element))).find((one) => isOpaque(one) && !one.contains(element));
       if (above && !isMenu(above)) return above;
     }
@@ -292,16 +292,16 @@ function look({ isTouch, exceptions, finger, leastImage }) {
     if (item.way.fault || isMeant('overlap', item.element)) continue;
     const { top, bottom } = item.element.getBoundingClientRect();
     if (top >= 0 && bottom <= height && !whatCovers(item)) continue;
-    // What stands still covers what scrolls below it, but not for ever.
+    // A fixed element covers what scrolls below it, which scrolling can reveal.
     item.element.scrollIntoView({ block: 'center', inline: 'nearest', behavior: 'instant' });
-    // Of a text that is higher than the window this line.
+    // For a text higher than the window: this line.
     const line = lineOf(item);
     if (line && bottom - top > height / 2) scrollBy({ top: line.top - height / 2, behavior: 'instant' });
     const above = whatCovers(item);
     if (above) tell('overlap', item.element, `its text "${shorten(item.text)}" is covered by ${placeOf(above)}`, above);
   }
 
-  // ---- what a pointer hits
+  // ---- clickable areas
 
   const hits = (element, hit) => hit === element || element.contains(hit) || isSameLabel(element, hit);
   for (const { element, way } of controls) {
@@ -344,7 +344,7 @@ function look({ isTouch, exceptions, finger, leastImage }) {
     const shorter = (one) => Math.min(one.width, one.height);
     const cameras = new Set(pictures.map(({ element }) => element.dataset.testid)).size;
     const least = (leastImage * Math.min(width, height)) / Math.ceil(Math.sqrt(cameras));
-    // Of several images of one camera, the largest is looked at.
+    // Of several images of one camera, the largest counts.
     const best = new Map();
     for (const one of pictures) {
       const { testid } = one.element.dataset;
@@ -358,7 +358,7 @@ function look({ isTouch, exceptions, finger, leastImage }) {
   return faults;
 }
 
-/** All faults of what a page shows, as {kind, at, what}. `isTouch`: by finger. `meant`: more exceptions. */
+/** All layout faults of a page, as {kind, at, what}. `isTouch`: for touch input. `meant`: additional exceptions. */
 export async function layoutFaults(page, { isTouch = false, meant = [] } = {}) {
   return page.evaluate(look, { isTouch, exceptions: [...exceptions, ...meant], finger: FINGER_PX, leastImage: LEAST_IMAGE });
 }

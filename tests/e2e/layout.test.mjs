@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The eye of panel_walk.test.mjs sees faults: a sound page with one fault put into it at a time.
+// Checks that layout.mjs detects faults: a correct page with one fault added at a time.
 import assert from 'node:assert/strict';
 import { after, before, describe, it } from 'node:test';
 import { axeFaults, launch } from './browser.mjs';
@@ -32,7 +32,7 @@ const sound = ({ style = '', body = '' } = {}) => `<!doctype html><html lang="en
   ${body}
 </main></body></html>`;
 
-/** One fault each: what it adds, and what must be said of what. */
+/** One fault each: what it adds to the page, and the expected message and element. */
 const faults = [
   { name: 'a page that scrolls sideways', body: '<div style="width: 500px">wide</div>', kind: 'wide', at: /document/ },
   { name: 'a text that its box cuts sideways', style: '#text { white-space: nowrap; }', kind: 'cut', at: /p.*All of this text/ },

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The real daemon among other programs of the field's network: other visions and the game controller.
+// The real daemon among other programs on the field's network: other visions and the game controller.
 #include "e2e/running_daemon.h"
 #include "net/packets.h"
 #include "ssl_gc_referee_message.pb.h"
@@ -9,7 +9,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv::test {
+namespace sslv::test::neighbours_test {
 namespace {
 
 using ::testing::IsEmpty;
@@ -47,7 +47,7 @@ TEST_F(Neighbours, RobotsHaveTheHeightOfTheTeamThatTheGameControllerNames) {
       const SSL_WrapperPacket packet = receive(listener_);
       if (!packet.has_detection()) continue;
       const SSL_DetectionFrame& frame = packet.detection();
-      // The camera goes on: it was not opened anew.
+      // The camera keeps running: it was not reopened.
       EXPECT_GE(frame.frame_number(), last_number[frame.camera_id()]);
       last_number[frame.camera_id()] = frame.frame_number();
       for (const auto& robot : frame.robots_yellow()) yellow |= robot.height() == yellow_mm;
@@ -64,20 +64,20 @@ TEST_F(Neighbours, RobotsHaveTheHeightOfTheTeamThatTheGameControllerNames) {
   EXPECT_EQ(status["referee"]["source"], "test");
   EXPECT_THAT(titles(status), IsEmpty());
 
-  // What is no referee message does nothing.
+  // Data that is no referee message has no effect.
   send(game_controller_, "garbage");
   send(game_controller_, std::string(65'507, '\xFF'));
   status = daemon.wait_for_status([](const Json& s) { return s["referee"]["packets_refused"] == 2; });
   EXPECT_EQ(status["teams"]["yellow"]["robot_height"], 143.0);
 
-  // A team that nobody knows has the height that is set, and the operator is told.
+  // An unknown team gets the height from the settings, and the operator is warned.
   send_referee("tigers mannheim", "Dire Wolves");
   wait_for_heights(143, 140);
   status = daemon.wait_for_status([](const Json& s) { return has_alert(s, "team_unknown"); });
   EXPECT_THAT(titles(status),
               testing::ElementsAre("Unknown team \"Dire Wolves\": its robots are assumed to be 140 mm high"));
 
-  // Set by hand, also while the game controller says otherwise; other changes keep what it said.
+  // Set by hand, even while the game controller says otherwise; other changes keep its values.
   daemon.set("/teams/blue/robot_height", 147);
   wait_for_heights(143, 147);
   daemon.set("/teams/height_from_referee", false);
@@ -104,7 +104,7 @@ TEST_F(Neighbours, FollowsOneGameControllerAndWarnsOfASecond) {
   send_referee("MRL", "ibis");
   daemon.wait_for_status([](const Json& s) { return s["teams"]["yellow"]["name"] == "MRL"; });
   Json status = daemon.wait_for_status([&](const Json& s) {
-    // In this order: after a pause of a busy computer, the first is followed.
+    // In this order: if a busy computer pauses, the first one is followed again.
     send_referee("MRL", "ibis");
     send_referee("ibis", "MRL", "another");
     return has_alert(s, "two_game_controllers");
@@ -114,7 +114,7 @@ TEST_F(Neighbours, FollowsOneGameControllerAndWarnsOfASecond) {
   EXPECT_EQ(status["referee"]["other"], (Json{{"source", "another"}, {"address", "127.0.0.1"}}));
   EXPECT_THAT(titles(status), testing::ElementsAre("Two game controllers send: test at 127.0.0.1, which is "
                                                    "followed, and another at 127.0.0.1"));
-  // The first falls silent: the second has its turn, and the alert goes by itself.
+  // The first falls silent: the second is followed, and the alert clears automatically.
   status = daemon.wait_for_status([&](const Json& s) {
     send_referee("ibis", "MRL", "another");
     return s["alerts"].empty() && s["referee"]["source"] == "another";
@@ -125,7 +125,7 @@ TEST_F(Neighbours, FollowsOneGameControllerAndWarnsOfASecond) {
 TEST_F(Neighbours, WarnsOfAnotherVisionUntilItIsSilent) {
   RunningDaemon daemon(settings_file(), state_);
   daemon.wait_for_status([](const Json& s) { return s["network"]["packets_sent"] > 50; });
-  // The daemon's own packets are no other vision's, also when its socket was opened anew.
+  // The daemon's own packets do not count as another vision, even after its socket was reopened.
   daemon.set("/network/vision/ttl", 3);
   Json status = daemon.wait_for_status([](const Json& s) { return s["network"]["packets_sent"] > 150; });
   EXPECT_THAT(status["alerts"], IsEmpty());
@@ -163,10 +163,10 @@ TEST_F(Neighbours, WarnsOfAnotherVisionUntilItIsSilent) {
   send(other_vision_, "garbage");
   daemon.wait_for_status(
       [&](const Json& s) { return s["network"]["packets_refused"] == refused_before + 1; });
-  // Nothing more is sent: the alerts go by themselves.
+  // Nothing more is sent: the alerts clear automatically.
   status = daemon.wait_for_status([](const Json& s) { return s["alerts"].empty(); });
   EXPECT_THAT(status["network"]["other_visions"], IsEmpty());
 }
 
 }  // namespace
-}  // namespace sslv::test
+}  // namespace sslv::test::neighbours_test

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The panel as a user sees it: the real service with its simulated cameras, in a real browser.
+// The panel from a user's point of view: the real service with its simulated cameras, in a real browser.
 // Environment: see service.mjs and browser.mjs.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
@@ -10,9 +10,9 @@ import { createService, root } from './service.mjs';
 
 const service = await createService('239.255.77.78');
 const { settings, folder, address, patch, statusBecomes } = service;
-const { aroundTests, withPage, screenshots } = createBrowser(service);
+const { aroundTests, withPage } = createBrowser(service);
 
-/** Everything in the page that measures pictures; runs in the browser, in one task, so that picture and overlay belong together. */
+/** Measures the image and its overlay. Runs in the browser, in one task, so that both belong to the same frame. */
 function measure(camera) {
   const canvas = document.querySelector(`[data-testid="camera-picture-${camera}"]`);
   const { width, height } = canvas;
@@ -35,21 +35,21 @@ function measure(camera) {
     const points = ring.slice(1).split('L').map((point) => point.split(' ').map(Number));
     const mean = (axis) => points.reduce((sum, point) => sum + point[axis], 0) / points.length;
     const [x, y] = [mean(0), mean(1)];
-    // Outside of what the camera sees there is nothing to look at.
+    // No pixels outside the camera's image.
     const inside = x > 4 && y > 4 && x < box.width - 4 && y < box.height - 4;
-    // With the pixels next to it: in a small JPEG the middle of a dot may be paler than its rim.
+    // Includes the neighbouring pixels: in a small JPEG the centre of a dot may be paler than its edge.
     const next = [-1, 0, 1].map((pixels) => (pixels * box.width) / width);
     const colours = next.flatMap((down) => next.map((right) => colour(x + right, y + down)));
     return { team: mark.dataset.team, id: Number(mark.dataset.id), camera: Number(mark.dataset.camera), x, y, colours: inside ? colours : null };
   });
 
-  // How much brighter the picture is on the drawn lines than beside them.
+  // How much brighter the image is on the drawn lines than beside them.
   const path = canvas.parentElement.querySelector('[data-testid="overlay-lines"]');
   const bright = { on: 0, beside: 0 };
   if (path) {
     const length = path.getTotalLength();
     const samples = 2000;
-    const beside = 8; // picture pixels to both sides
+    const beside = 8; // image pixels on both sides
     for (let i = 0; i < samples; i++) {
       const { x, y } = path.getPointAtLength((i / samples) * length);
       if (x < beside || y < beside || x >= box.width - beside || y >= box.height - beside) continue;
@@ -64,7 +64,7 @@ function measure(camera) {
   };
 }
 
-// Yellow beside other dots is paler in a small JPEG; carpet, lines, covers and pink dots stay below these bounds.
+// Yellow next to other dots is paler in a small JPEG; carpet, lines, covers and pink dots stay below these bounds.
 const hasColourOf = { blue: ([r, , b]) => b > r + 25, yellow: ([r, g, b]) => r > b + 40 && g > b + 20 };
 
 function assertTeamColours({ robots, frame, width }) {
@@ -74,13 +74,14 @@ function assertTeamColours({ robots, frame, width }) {
   }
 }
 
-/** A place in a picture that was turned clockwise so often: which pixel of the camera's is it? */
+/** The camera pixel shown at a place of an image that was rotated clockwise `turn` times by 90 degrees. */
 function cameraPixel({ x, y }, { turn, width, height }) {
   for (let i = turn; i > 0; i--) [x, y] = [y, (i % 2 ? height : width) - x];
   return { x: x - 0.5, y: y - 0.5 };
 }
 
-/** Full resolution: in a smaller picture a dot is a pixel or two, and how small it is depends on how fast pictures come. */
+/** Shows full resolution: in a smaller image a dot is one or two pixels, depending on the rate at which images
+ * arrive. */
 async function showFull(page, camera) {
   await page.getByLabel('Size').selectOption({ label: 'Full' });
   await page.waitForFunction((selector) => document.querySelector(selector)?.width === 780, byId(`camera-picture-${camera}`));
@@ -103,10 +104,10 @@ async function everyRobotIsMarked(page, selector) {
     [selector, everyRobot.join()]);
 }
 
-/** Waits until the shown picture is of that kind, "camera" or "labels". */
+/** Waits until an image of this kind is shown, "camera" or "labels". */
 const pictureIs = (page, camera, kind) => page.waitForSelector(`${byId(`camera-picture-${camera}`)}[data-picture="${kind}"]`);
 
-/** The middle of a robot's target that no other one covers. */
+/** The centre of a robot's click target that no other target covers. */
 async function freeTarget(page) {
   const handle = await page.waitForFunction((selector) => {
     for (const target of document.querySelectorAll(selector)) {
@@ -197,7 +198,7 @@ describe('panel', () => {
       const reports = panel.detections.flatMap(({ robots }) => robots).filter((robot) => robot.team === team && String(robot.id) === id);
       assert.ok(reports.some((robot) => robot.x.toFixed(1) === x && robot.y.toFixed(1) === y),
         `${team} ${id} at ${x}, ${y} was never reported`);
-      // A robot's flat front takes a little off the middle of its outline.
+      // A robot's flat front shifts the centre of its outline slightly.
       assert.ok(Math.hypot(at.x - x, at.y - y) < 40, `${team} ${id} of ${x}, ${y} is drawn at ${at.x}, ${at.y}`);
     }
   }));
@@ -210,7 +211,8 @@ describe('panel', () => {
       await textBecomes(page, `drops-${id}`, /^[\d\u2009]+$/);
     }
     for (const check of ['robots', 'agreement', 'coverage', 'cameras', 'calibration', 'other_visions', 'teams']) await page.waitForSelector(`${byId(`check-${check}`)}[data-state="pass"]`);
-    // Clock, load and network cards that are not used are this machine's affair, so those may warn; but they must know.
+    // Clock, load and unused network cards depend on this machine, so these checks may warn; but they must have a
+    // result.
     for (const check of ['latency', 'pictures', 'clock', 'computer', 'network']) await page.waitForSelector(`${byId(`check-${check}`)}:not([data-state="unknown"])`);
     await textBecomes(page, 'check-cameras', /2\s*of 2/);
     await page.waitForSelector(`${byId('verdict')}[data-go="true"]`);
@@ -286,12 +288,12 @@ describe('panel', () => {
     await page.waitForFunction((mark) => document.querySelectorAll(mark).length > 2, byId('overlay-robot'));
     const labels = await page.evaluate(measure, 0);
     assert.ok(labels.green < 0.03 && labels.darkGrey > 0.9, `green ${labels.green}, dark grey ${labels.darkGrey}`);
-    assertTeamColours(labels); // the dots are there, where the detections are drawn
+    assertTeamColours(labels); // the dots are where the detections are drawn
     assert.ok(labels.robots.some(({ colours }) => colours));
     await page.waitForSelector(byId('overlay-lines'), { state: 'attached' });
     await page.waitForSelector(`${byId('camera-picture-0')}[aria-label="Live colour labels of camera 0"]`);
 
-    // Enlarged, cells stay squares; the camera's picture stays smooth.
+    // When enlarged, cells stay squares; the camera's image is smoothed.
     const rendering = () => page.evaluate((selector) => getComputedStyle(document.querySelector(selector)).imageRendering, byId('camera-picture-0'));
     await page.click('button[aria-label="Zoom in"]');
     await page.waitForSelector('canvas.pixelated');
@@ -446,7 +448,7 @@ describe('panel', () => {
     await live(page);
     panel.errorsExpected = false;
     for (const { id } of settings.cameras) {
-      // The new service counts its frames from the beginning, so higher numbers would prove nothing.
+      // The new service restarts the frame numbers, so higher numbers would prove nothing.
       await page.waitForFunction(([selector, old]) => ![undefined, String(old)].includes(document.querySelector(selector)?.dataset.frame),
         [byId(`camera-picture-${id}`), lastFrames[id]]);
       await picturesGoOn(page, id);
@@ -455,16 +457,4 @@ describe('panel', () => {
     await everyRobotIsMarked(page, byId('field-robot'));
     assert.equal(await page.evaluate(() => window.notReloaded), true);
   }));
-
-  const withGraphs = async (page) => {
-    const { uptime_s } = await statusBecomes(() => true);  // the graphs begin with the page
-    await statusBecomes((status) => status.uptime_s > uptime_s + 30);
-    if (await page.$(byId('camera-tile-0'))) await everyRobotIsMarked(page, byId('overlay-robot'));
-  };
-  screenshots([
-    { file: 'overview-dark.jpg', theme: 'dark', path: '', viewport: DESKTOP, options: {}, ready: withGraphs },
-    { file: 'overview-light.jpg', theme: 'light', path: '', viewport: DESKTOP, options: {}, ready: withGraphs },
-    ...['dark', 'light'].map((theme) => ({ file: `interface-${theme}.jpg`, theme, path: '#/api', viewport: DESKTOP, options: {}, ready: (page) => page.waitForSelector(byId('api-route')) })),
-    { file: 'overview-phone.jpg', theme: 'dark', path: '', viewport: PHONE, options: phone, ready: withGraphs },
-  ]);
 });

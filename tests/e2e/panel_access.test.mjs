@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Passwords, roles and the match lock as people meet them in the panel, at desktop and phone size.
+// Passwords, roles and the match lock from a user's point of view, at desktop and phone size.
 import assert from 'node:assert/strict';
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
@@ -16,7 +16,7 @@ const SITE = '#/settings/~general';
 const GROUP = '224.5.23.102';
 let referee, port, timer;
 const HALT = 0, NORMAL_START = 2;
-/** In the first half, two to one, with 65 s left. */
+/** First half, 2 : 1, 65 s left. */
 function refereeSays(command) {
   clearInterval(timer);
   const timeLeft = [0x18, 0x80, 0xc9, 0xfe, 0x3d];  // 65 000 000 us, as a sint64
@@ -88,7 +88,7 @@ describe('who may do what, in the panel', () => {
       it('lets everybody look, asks for the password at the first change, and then makes it', async () => {
         await startAfresh('admin');
         await withPage(viewport, SITE, options, async (page, watched) => {
-          watched.errorsExpected = true; // the browser writes each 401 down
+          watched.errorsExpected = true; // the browser logs each 401
           await page.waitForSelector(`${byId('access')}[data-may="look"]`);
           await renameTo(page, 'By an admin');
           await page.waitForSelector(`${dialog} ${byId('sign-in')}`);
@@ -102,7 +102,7 @@ describe('who may do what, in the panel', () => {
           assert.equal(await site(), 'By an admin');
           await page.waitForSelector(`${byId('access')}[data-may="change"]`);
           await page.click(byId('access'));
-          // A wrong password is refused where it was typed.
+          // A wrong password is reported at its input field.
           await page.fill('label:has-text("New password") + div input', 'battery staple');
           await page.fill('label:has-text("again") + div input', 'battery staple');
           await page.fill('label:has-text("Current admin password") + div input', 'wrong horse');
@@ -144,7 +144,7 @@ describe('who may do what, in the panel', () => {
           const field = `${byId('setting-/site')} input`;
           const isLocked = (locked) => page.waitForFunction(([selector, wanted]) => document.querySelector(selector)?.matches(':disabled') === wanted, [field, locked]);
 
-          // Nothing runs: the match is told, nothing is locked.
+          // The game is not running: the match is shown, but nothing is locked.
           await page.waitForSelector(`${byId('match-bar')}[data-locked="false"]`);
           await textBecomes(page, 'match-score', /^2 : 1$/);
           await textBecomes(page, 'match-stage', /^First half$/);
@@ -161,7 +161,7 @@ describe('who may do what, in the panel', () => {
           assert.equal(reason.ariaDescription, reason.title);
           await accessibleInThemes(page, `locked settings on a ${name}`);
 
-          // Enter alone keeps it locked, and so does Enter with another word.
+          // Enter alone keeps it locked, as does Enter after another word.
           await click(byId('turn-lock'));
           await page.waitForSelector(`${dialog}:has-text("A match is running"):has-text("both teams receive")`);
           await accessible(page, 'a running match');
@@ -184,20 +184,20 @@ describe('who may do what, in the panel', () => {
 
           await click(byId('turn-lock'));
           await isLocked(true);
-          // Somebody else may unlock it, too.
+          // Another person may also unlock it.
           await fetch(service.address('api/match_lock'), { method: 'POST', body: '{"opened": true}' });
           await isLocked(false);
           await click(byId('access'));
           await click(byId('match-lock'));
           await page.waitForSelector(`${dialog}:has-text("Settings are locked again.")`);
-          // From here, too, the word is wanted.
+          // Here, too, the word must be typed.
           await click(byId('match-lock'));
           await page.waitForSelector(byId('unlock-form'));
           await page.waitForFunction((selector) => document.activeElement?.matches(selector), `${dialog} button[autofocus]`);
           await page.keyboard.press('Escape');
           await isLocked(true);
 
-          // With HALT all is as before; when the game controller is gone, so is what it said.
+          // HALT unlocks; when the game controller stops sending, the match is no longer shown.
           refereeSays(HALT);
           await isLocked(false);
           clearInterval(timer);
@@ -245,9 +245,4 @@ describe('who may do what, in the panel', () => {
       await look('#/settings/~profiles', ['profile-save', 'profile-name'], []);
     })();
   });
-
-  panel.screenshots([{ file: 'access-dark.jpg', theme: 'dark', path: '', viewport: DESKTOP, options: {}, ready: async (page) => {
-    await page.click(byId('access'));
-    await page.waitForSelector(dialog);
-  } }]);
 });

@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page Calibration & masks as a user works with it: the real service with its simulated cameras, in a real browser.
+// The page Calibration & masks from a user's point of view: the real service with its simulated cameras, in a real
+// browser.
 // Environment: see service.mjs and browser.mjs.
 import assert from 'node:assert/strict';
 import { createSocket } from 'node:dgram';
 import { join } from 'node:path';
 import { beforeEach, describe, it } from 'node:test';
-import { accessible, accessibleInThemes, byId, comesUp, createBrowser, DESKTOP, freezePicture, itLong, PHONE, phone, picturesGoOn, saved, text, views } from './browser.mjs';
+import { accessibleInThemes, byId, comesUp, createBrowser, DESKTOP, freezePicture, itLong, picturesGoOn, saved, text, views } from './browser.mjs';
 import { becomes, createService, freeUdpPort } from './service.mjs';
 
 const service = await createService('239.255.77.80');
 const { settings, address, patch, statusBecomes } = service;
-const { aroundTests, withPage, screenshots } = createBrowser(service);
+const { aroundTests, withPage } = createBrowser(service);
 
 const get = async (path) => (await fetch(address(path))).json();
 const calibration = (camera = 0) => get(`api/cameras/${camera}/calibration`);
 
-/** Waits until this text is a number as wanted. */
+/** Waits until this text contains a number; checks it with `wanted` and returns it. */
 async function numberBecomes(page, name, wanted) {
   await page.waitForFunction(([selector]) => /\d/.test(document.querySelector(selector)?.textContent ?? ''), [byId(name)]);
   const number = Number((await text(page, name)).replace('−', '-'));
@@ -23,7 +24,7 @@ async function numberBecomes(page, name, wanted) {
   return number;
 }
 
-/** Where a camera's calibration has a place in its picture, as docs/protocol.md says. */
+/** Projects a point on the field to the camera's image, as in docs/protocol.md. */
 function project(c, x, y, z = 0) {
   const { q0, q1, q2, q3 } = c;
   const s = 2 / (q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3);
@@ -42,7 +43,7 @@ const distance = (a, b) => Math.hypot(a.x - b.x, a.y - b.y);
 
 const press = (view) => (view === 'phone' ? 'tap' : 'click');
 
-/** The picture's pixel on the screen. */
+/** Screen coordinates of an image pixel. */
 async function onScreen(page, { x, y }) {
   const canvas = page.locator(byId('camera-picture-0'));
   await canvas.scrollIntoViewIfNeeded();
@@ -51,7 +52,7 @@ async function onScreen(page, { x, y }) {
   return { x: box.x + ((x + 0.5) / width) * box.width, y: box.y + ((y + 0.5) / height) * box.height };
 }
 
-/** Drags by mouse, or by finger as Chromium's own events. */
+/** Drags by mouse or, through Chromium's touch events, by finger. Returns a function that releases. */
 async function drag(page, from, to, finger) {
   const steps = 6;
   const at = (i) => ({ x: from.x + ((to.x - from.x) * i) / steps, y: from.y + ((to.y - from.y) * i) / steps });
@@ -66,12 +67,12 @@ async function drag(page, from, to, finger) {
   await send('touchStart', [from]);
   for (let i = 1; i <= steps; i++) await send('touchMove', [at(i)]);
   return async () => {
-    await page.waitForTimeout(300); // the finger rests: after a swing the browser takes the next tap for its end
+    await page.waitForTimeout(300); // hold still: after a fling the browser takes the next tap as its end
     await send('touchEnd', []);
   };
 }
 
-/** Robots that camera 0 reported in so many pictures that were taken after that status. */
+/** The robots that camera 0 reported in at least `pictures` images taken after that status. */
 async function robotsSince({ time }, panel, pictures = 20) {
   const fresh = await becomes(() => panel.detections.filter(({ camera, t_capture }) => camera === 0 && t_capture > time), ({ length }) => length >= pictures,
     ({ length }) => `${length} pictures`);
@@ -80,7 +81,7 @@ async function robotsSince({ time }, panel, pictures = 20) {
 
 const verdict = (page) => page.waitForSelector(byId('verdict'));
 
-// The game controller is played further down.
+// A game controller runs in a later test.
 settings.network.referee = { enabled: true, group: '239.255.77.81', port: await freeUdpPort(), interface: 'lo' };
 
 describe('calibration page', () => {
@@ -117,12 +118,12 @@ describe('calibration page', () => {
       const { calibration: found, history } = await calibration();
       assert.equal(history.length, records + 1);
       for (const [x, y] of [[-4500, 3000], [-4500, -3000], [0, 0], [-2000, 500]]) {
-        // A field looks the same from both ends: without a hint it may be the other way round.
+        // A field looks the same from both ends, so without a hint the result may be rotated by 180 degrees.
         const both = [project(truth, x, y), project(truth, -x, -y)];
         assert.ok(Math.min(...both.map((at) => distance(at, project(found, x, y)))) < 0.3, `${x}, ${y}`);
       }
       const status = await statusBecomes(({ cameras }) => cameras[0].robots > 0);
-      // Robots are reported where the picture shows them, by the calibration that is in use now.
+      // Robots are reported where the image shows them, according to the calibration in use.
       const robots = await robotsSince(status, panel);
       assert.ok(robots.length > 0);
       for (const robot of robots) {
@@ -141,11 +142,11 @@ describe('calibration page', () => {
       await patch({ op: 'replace', path: '/cameras/0/calibration', value: truth });
       await page.waitForSelector(byId('propose'));
       const right = { 'corner left top': [-4495, 2995], 'corner left bottom': [-4495, -2995], 'halfway line top': [0, 2995], 'halfway line bottom': [0, -2995] };
-      // Two of four are wrong: then nothing is accepted.
+      // Two of four points are wrong, so nothing is accepted.
       const wrong = { 'corner left bottom': { x: 502, y: 410 }, 'halfway line bottom': { x: 600, y: 150 } };
       let count = 0;
       await picturesGoOn(page, 0, 1);
-      await freezePicture(page); // one that comes late may be too old to take points
+      await freezePicture(page); // a live image may be too old to accept points
       for (const [name, [x, y]] of Object.entries(right)) {
         const at = await onScreen(page, wrong[name] ?? project(truth, x, y));
         if (finger) await page.touchscreen.tap(at.x, at.y);
@@ -160,7 +161,7 @@ describe('calibration page', () => {
       const rms = await numberBecomes(page, 'figure-rms', (mm) => mm > 0);
       assert.ok(await page.locator(byId('problem')).count() > 0);
 
-      // Points keep their order, whatever they were found to show.
+      // Points keep their order, whatever they turned out to be.
       const index = 1;
       const target = byId('point');
       const place = project(truth, ...right['corner left bottom']);
@@ -179,9 +180,10 @@ describe('calibration page', () => {
       await click(byId('step-look'));
       await click(byId('again'));
       await page.waitForSelector(`${byId('verdict')}[data-accepted="true"]`);
-      // With luck the lines were found in spite of the wrong corners, and only these refused.
+      // The first run may have found the lines despite the wrong corners and rejected only these: rms was then low
+      // already.
       await numberBecomes(page, 'figure-rms', (mm) => mm < Math.max(0.5, rms / 10));
-      // The other one is named.
+      // The other wrong point is reported.
       await page.waitForSelector(`${byId('problem')}:has-text("Point 4")`);
       await click(byId('reject'));
       await page.waitForSelector(byId('verdict'), { state: 'detached' });
@@ -199,7 +201,7 @@ describe('calibration page', () => {
       const changes = [];
       page.on('request', (request) => { if (request.method() !== 'GET') changes.push(`${request.method()} ${request.url()}`); });
       const corner = async (x, y) => {
-        // The panel takes no press on a picture that it calls old, as a busy computer may make it.
+        // The panel ignores clicks on an outdated image, which a busy computer may cause.
         await picturesGoOn(page, 0, 1);
         const at = await onScreen(page, { x, y });
         const count = await page.locator(byId('drawn-corner')).count();
@@ -207,7 +209,7 @@ describe('calibration page', () => {
         else await page.mouse.click(at.x, at.y);
         await page.waitForFunction(([selector, n]) => document.querySelectorAll(selector).length === n, [byId('drawn-corner'), count + 1]);
       };
-      // A drawing that is not finished is nothing to the service: not with three corners, and not when it is cancelled.
+      // The service never sees an unfinished drawing: with three corners, or after cancelling.
       await click(byId('add-exclude'));
       await page.waitForSelector(byId('drawing'));
       assert.ok(await page.isDisabled(byId('finish-drawing')));
@@ -221,7 +223,7 @@ describe('calibration page', () => {
       assert.deepEqual(changes, []);
       assert.equal((await get('api/settings')).revision, before.revision);
 
-      // By keys alone.
+      // By keyboard alone.
       await page.keyboard.press('Enter');
       await page.waitForFunction((selector) => document.activeElement?.matches(selector), byId('pen'));
       for (const way of ['ArrowLeft', 'ArrowDown', 'ArrowRight']) {
@@ -243,10 +245,10 @@ describe('calibration page', () => {
       const [first] = (await mask()).exclude;
       assert.equal(first.points.length, 4);
 
-      // Its corners to the picture's: then nothing is left.
+      // Drag its corners to those of the image: then the whole image is hidden.
       const corners = [[1, 1], [778, 1], [778, 578], [1, 578]];
       for (const [i, [x, y]] of corners.entries()) {
-        // The page knows of the last save, too, and shows a picture: one that stands still has no magnifier.
+        // Wait until the page has the last save and shows a live image: a frozen one has no magnifier.
         await saved(page);
         await picturesGoOn(page, 0, 1);
         const now = (await mask()).exclude[0].points[i];
@@ -257,15 +259,15 @@ describe('calibration page', () => {
       }
       const status = await statusBecomes(({ cameras }) => cameras[0].robots === 0 && cameras[0].balls === 0);
       assert.deepEqual(await robotsSince(status, panel), []);
-      // What is hidden is dark in the labelled picture.
+      // Hidden parts are dark in the label image.
       await click(byId('mask-labels'));
       await page.waitForSelector(`${byId('camera-picture-0')}[data-picture="labels"]`);
-      // Corners that were dragged to within 4 px of the picture's leave a strip of it.
+      // Corners within 4 px of the image's corners leave a strip of it.
       const left = await page.evaluate(colourful, 0);
       assert.ok(left < 0.001, `${left} of the labelled picture have a colour`);
       await click(byId('mask-labels'));
 
-      // The keyboard moves a corner, and an edge takes a new one.
+      // The keyboard moves a corner, and a click on an edge adds one.
       const at = (await mask()).exclude[0].points[0];
       await page.locator(byId('corner')).first().focus();
       await page.keyboard.press('Shift+ArrowRight');
@@ -283,7 +285,7 @@ describe('calibration page', () => {
       await click(byId('delete-polygon'));
       await untilSaved(async () => (await mask()).exclude.length === 0);
       await statusBecomes(({ cameras }) => cameras[0].robots > 0);
-      // Undo takes back what was done here, and leaves what others changed meanwhile.
+      // Undo reverts the changes made here and keeps those of others.
       const beyond = async (value) => {
         await service.patch({ op: 'replace', path: '/cameras/0/mask/beyond_boundary', value });
         await page.waitForFunction((text) => document.querySelector('[data-testid="setting-/cameras/0/mask/beyond_boundary"] input[inputmode]').value === text, String(value));
@@ -301,7 +303,7 @@ describe('calibration page', () => {
       await click(byId('delete-polygon'));
       await untilSaved(async () => (await mask()).include.length === 0);
 
-      // The hall beyond the boundary is left out automatically, as far as the admin says.
+      // The hall beyond the boundary is hidden automatically, from the distance that is set.
       const row = '[data-testid="setting-/cameras/0/mask/beyond_boundary"]';
       const hiddenPx = async () => (await get('api/cameras/0/field_view')).hidden.reduce((sum, [, , width, height]) => sum + width * height, 0);
       const shown = () => page.locator(byId('beyond')).getAttribute('d');
@@ -344,7 +346,7 @@ describe('calibration page', () => {
     await page.waitForSelector('text=Must be at least 100');
     await page.getByLabel('Height above the floor in mm').fill('4000');
     await page.keyboard.press('Enter');
-    await page.getByRole('radiogroup', { name: 'Field sizes are measured to the lines' }).getByText('Centre').click();
+    await page.getByRole('radiogroup', { name: 'Part of the line that field sizes are measured to' }).getByText('Centre').click();
     await comesUp(page, byId('progress'), /./, () => page.click(byId('find')));
     await verdict(page);
     const { request, report } = await calibration(1);
@@ -359,7 +361,7 @@ describe('calibration page', () => {
 
   it('calibrates both cameras together', withPage(DESKTOP, '#/calibration/0', {}, async (page) => {
     await page.click(byId('mode-together'));
-    await page.getByLabel('Look for robots for in s').fill('2');
+    await page.getByLabel('Robot search time in s').fill('2');
     await page.keyboard.press('Enter');
     await page.click(byId('together-run'));
     await verdict(page);
@@ -380,7 +382,7 @@ describe('calibration page', () => {
     const stop = await playGame(group, port);
     try {
       await page.waitForSelector(byId('game'));
-      panel.errorsExpected = true; // a refusal is an error to the browser's console
+      panel.errorsExpected = true; // the browser logs the refusal
       await page.click(byId('find'));
       await page.waitForSelector(`${byId('refused')}:has-text("the game is running")`);
       assert.equal((await calibration()).report, null);
@@ -403,26 +405,14 @@ describe('calibration page', () => {
     await page.goto(address('#/calibration/7'));
     await page.waitForSelector('text=There is no camera 7.');
   }));
-
-  screenshots([
-    { file: 'calibration-dark.jpg', theme: 'dark', path: '#/calibration/0', viewport: DESKTOP, options: {}, ready: found },
-    { file: 'calibration-light.jpg', theme: 'light', path: '#/calibration/0', viewport: DESKTOP, options: {}, ready: found },
-    { file: 'calibration-phone.jpg', theme: 'dark', path: '#/calibration/0', viewport: PHONE, options: phone, ready: found },
-  ]);
 });
 
 const pair = ([x, y]) => ({ x, y });
 
-async function found(page) {
-  if (await page.locator(byId('find')).count()) await page.click(byId('find'));
-  await verdict(page);
-  await page.waitForFunction((selector) => /\d/.test(document.querySelector(selector)?.textContent ?? ''), byId('figure-overlap'));
-}
-
-/** Asks the service until it is as wanted. */
+/** Waits until `wanted` is true at the service. */
 const untilSaved = (wanted) => becomes(wanted, Boolean, () => `not saved: ${wanted}`);
 
-/** A game controller that says NORMAL_START, several times a second. Returns how to halt and end it. */
+/** A game controller that repeats NORMAL_START. Returns a function that sends HALT and stops it. */
 async function playGame(group, port) {
   const socket = createSocket('udp4');
   await new Promise((resolve) => { socket.bind(0, '127.0.0.1', resolve); });
@@ -440,7 +430,7 @@ async function playGame(group, port) {
   let command = 2; // NORMAL_START
   const say = (sent) => {
     const now = BigInt(Date.now()) * 1000n;
-    // SSL_Referee: packet_timestamp, stage NORMAL_FIRST_HALF, command, counter, since when, both teams.
+    // SSL_Referee: packet_timestamp, stage NORMAL_FIRST_HALF, command, counter, time of the command, both teams.
     socket.send(Buffer.from([
       ...number(1, now), ...number(2, 1), ...number(4, command), ...number(5, 1), ...number(6, now), ...message(7, team('Yellow')), ...message(8, team('Blue')),
     ]), port, group, sent);
@@ -448,14 +438,14 @@ async function playGame(group, port) {
   const timer = setInterval(say, 200);
   return () => {
     clearInterval(timer);
-    command = 0; // HALT; silence alone would end no game
+    command = 0; // HALT; the game would not end by silence alone
     say(() => socket.close());
   };
 }
 
 /**
- * How much brighter a camera's image is on the lines drawn over it than beside them; runs in the browser. In full
- * resolution: what the page shows is smaller where pictures come late.
+ * How much brighter a camera's image is on the lines drawn over it than beside them; runs in the browser. Uses the full
+ * resolution: the displayed image is smaller if images arrive late.
  */
 async function brighterOnLines(camera) {
   const bitmap = await createImageBitmap(await (await fetch(`api/cameras/${camera}/snapshot.jpg`)).blob());
@@ -482,7 +472,7 @@ async function brighterOnLines(camera) {
   return sum / count;
 }
 
-/** Share of the picture that has a colour; runs in the browser. */
+/** Share of the image's pixels that are coloured; runs in the browser. */
 function colourful(camera) {
   const canvas = document.querySelector(`[data-testid="camera-picture-${camera}"]`);
   const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The panel's Camera page: what is drawn over the picture, and what is set at its source.
+// The panel's Camera page: the overlay on the image, and the controls of the camera's source.
 // Environment: see service.mjs and browser.mjs.
 import assert from 'node:assert/strict';
 import { mkdirSync, writeFileSync } from 'node:fs';
 import { beforeEach, describe, it } from 'node:test';
-import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, freezePicture, itLong, picturesGoOn, saved, views } from './browser.mjs';
+import { accessibleInThemes, byId, createBrowser, DESKTOP, freezePicture, itLong, picturesGoOn, saved, views } from './browser.mjs';
 import { join } from 'node:path';
 import { becomes, createService, eventually } from './service.mjs';
 
 const service = await createService('239.255.77.81');
 const { address, patch, statusBecomes } = service;
-const { aroundTests, withPage, screenshots } = createBrowser(service);
+const { aroundTests, withPage } = createBrowser(service);
 
 const picture = byId('camera-picture-0');
 const press = (page, name) => page.click(byId(`layer-${name}`));
@@ -23,7 +23,7 @@ const source = async () => {
   return cameras[0].source;
 };
 
-/** Mean grey of the shown picture, once it is above (or below) a limit; runs in the browser. */
+/** Mean grey level of the displayed image, once it is above (or below) a limit; runs in the browser. */
 const brightness = ([selector, least, most]) => {
   const canvas = document.querySelector(selector);
   if (!canvas?.width) return null;
@@ -102,7 +102,7 @@ describe('the camera page', () => {
 
   it('hatches what the mask leaves out, and nothing else', withPage(DESKTOP, '#/camera/0', {}, async (page) => {
     await picturesGoOn(page, 0);
-    // A calibrated camera automatically leaves out what lies beyond its field.
+    // A calibrated camera automatically hides the area beyond its field.
     await page.waitForSelector(byId('overlay-beyond'), { state: 'attached' });
     await patch({ op: 'replace', path: '/cameras/0/mask/beyond_boundary', value: null });
     await page.waitForSelector(byId('overlay-mask'), { state: 'detached' });
@@ -113,7 +113,7 @@ describe('the camera page', () => {
     await setLayers(page, { detections: false, lines: false });
     await freezePicture(page);
 
-    // What people see, at places of the camera's picture: the same frozen frame with and without the mask.
+    // Screenshots at places of the camera's image: the same frozen frame with and without the mask.
     const places = [{ at: [50, 300], out: true }, { at: [740, 300], out: true }, { at: [350, 250], out: true }, { at: [200, 400], out: false }, { at: [600, 150], out: false }];
     const box = await page.locator(picture).boundingBox();
     async function look() {
@@ -213,7 +213,7 @@ describe('the camera page', () => {
     const recording = join(service.folder, 'recording');
     mkdirSync(recording);
     for (let i = 10; i < 30; i++) writeFileSync(join(recording, `${i}.jpg`), still);
-    await patch({ op: 'replace', path: '/cameras/1/source', value: { backend: 'files', path: recording, loop: true, frame_rate_hz: 1 } });  // it does not end before the test does
+    await patch({ op: 'replace', path: '/cameras/1/source', value: { backend: 'files', path: recording, loop: true, frame_rate_hz: 1 } });  // lasts longer than the test
     await statusBecomes(({ cameras }) => cameras[1].backend === 'files' && cameras[1].state === 'running');
     const paused = `${byId('control-paused')} [role="switch"]`;
     await page.waitForSelector(paused);
@@ -227,7 +227,7 @@ describe('the camera page', () => {
     const { settings: { cameras } } = await (await fetch(address('api/settings'))).json();
     assert.deepEqual(cameras[1].source.controls, { paused: true });
 
-    // Not saved, it is shown as that after a reload and in another browser, and everybody can revert it.
+    // An unsaved change is shown as such after a reload and in another browser, and everyone can revert it.
     await page.click(paused);
     await page.waitForSelector(`${byId('control-paused')}[data-changed]`);
     await becomes(isPaused, (now) => now === false);
@@ -245,7 +245,7 @@ describe('the camera page', () => {
     await other.close();
     await statusBecomes(({ cameras: [, camera], alerts }) => camera.controls_unsaved === 0 && !alerts.some(({ id }) => id === 'controls_unsaved'));
 
-    // All at once, and undo of what is saved.
+    // Revert all at once, and undo saved changes.
     await page.click(paused);
     await page.click(`${byId('control-loop')} [role="switch"]`);
     await page.waitForFunction((card) => document.querySelector(card)?.textContent.includes('2 not saved'), byId('controls-saved'));
@@ -255,9 +255,4 @@ describe('the camera page', () => {
     await patch({ op: 'replace', path: '/cameras/1/source/controls', value: {} });
     assert.equal(await isPaused(), false, 'what it was when it was opened');
   }));
-
-  screenshots([
-    { file: 'camera-dark.jpg', theme: 'dark', path: '#/camera/0', viewport: DESKTOP, options: {}, ready: (page) => picturesGoOn(page, 0, 200) },
-    { file: 'camera-light.jpg', theme: 'light', path: '#/camera/0', viewport: DESKTOP, options: {}, ready: (page) => picturesGoOn(page, 0, 200) },
-  ]);
 });

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page Colours as a user works with it: the real service with its simulated cameras, in a real browser.
+// The page Colours from a user's point of view: the real service with its simulated cameras, in a real browser.
 // Environment: see service.mjs and browser.mjs.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { describe, it } from 'node:test';
-import { accessible, byId, chooseTheme, createBrowser, DESKTOP, itLong, live, PHONE, phone, saved, text, views } from './browser.mjs';
+import { accessible, byId, chooseTheme, createBrowser, DESKTOP, itLong, live, saved, text, views } from './browser.mjs';
 import { becomes as stateBecomes, createService, eventually } from './service.mjs';
 
 const service = await createService('239.255.77.83');
 const { address, patch, statusBecomes, settings } = service;
-const { aroundTests, withPage, screenshots } = createBrowser(service, { webgl: true });
-// Robots that stand still can be pointed at.
+const { aroundTests, withPage } = createBrowser(service, { webgl: true });
+// Standing robots can be clicked.
 for (const { source } of settings.cameras) source.speed = 0;
 
 const get = async (path) => (await fetch(address(path))).json();
@@ -25,10 +25,10 @@ const cellsOf = ({ labels }, name) => labels.find((label) => label.name === name
 const colorOf = ({ labels }, name) => [1, 3, 5].map((at) => Number.parseInt(labels.find((label) => label.name === name).color.slice(at, at + 2), 16));
 const tableFile = async (camera = 0) => Buffer.from(await (await fetch(address(`api/cameras/${camera}/colors/table`))).arrayBuffer());
 
-/** Asks for a camera's colours until they are as wanted. */
+/** Polls a camera's colour state until `wanted` is satisfied. */
 const becomes = (wanted, camera = 0) => stateBecomes(() => state(camera), wanted, (now) => JSON.stringify({ ...now, light: undefined }));
 
-/** The labels of all cells, ordered U, V, Y, out of a .lut file. */
+/** The labels of all cells of a .lut file, ordered U, V, Y. */
 function cellsOfFile(file) {
   const magic = file.toString('latin1', 0, 8);
   assert.match(magic, /^SSLVLUT[23]$/);
@@ -52,18 +52,13 @@ function cellsOfFile(file) {
 }
 
 const press = (view) => (view === 'phone' ? 'tap' : 'click');
-/** The page shows the table of the settings, whatever a test before it did. */
+/** Resets the table to that of the settings, and waits until the page shows it. */
 async function ready(page) {
   while ((await state()).undo) await post('api/cameras/0/colors/undo');
   const cells = cellsOf(await state(), 'pink');
   await page.waitForSelector(`${byId('label-pink')}[data-cells="${cells}"]`);
 }
 
-/** A pixel of a canvas, as it was drawn. */
-const pixelOf = (page, name, x, y) => page.evaluate(([selector, px, py]) => {
-  const canvas = document.querySelector(selector);
-  return [...canvas.getContext('2d').getImageData(px, py, 1, 1).data].slice(0, 3);
-}, [byId(name), x, y]);
 async function pixelBecomes(page, name, x, y, color) {
   await page.waitForFunction(([selector, px, py, wanted]) => {
     const canvas = document.querySelector(selector);
@@ -71,7 +66,7 @@ async function pixelBecomes(page, name, x, y, color) {
     return `${[...canvas.getContext('2d').getImageData(px, py, 1, 1).data].slice(0, 3)}` === wanted;
   }, [byId(name), x, y, String(color)]);
 }
-/** Waits until more pixels of a canvas than that have the colour. */
+/** Waits until more than `more` pixels of a canvas have the colour. */
 const countBecomes = (page, name, color, more) => page.waitForFunction(([selector, [r, g, b], least]) => {
   const canvas = document.querySelector(selector);
   if (!canvas?.width) return false;
@@ -81,7 +76,7 @@ const countBecomes = (page, name, color, more) => page.waitForFunction(([selecto
   return count > least;
 }, [byId(name), color, more]);
 
-/** The slice shows the table of the service: every pixel of it. */
+/** Waits until every pixel of the slice matches the service's table. */
 async function sliceIsThatOf(page, y) {
   const [now, { bits, of }] = [await state(), cellsOfFile(await tableFile())];
   const side = 1 << bits;
@@ -104,7 +99,7 @@ async function freeze(page, view) {
   await page.waitForSelector(`${byId('still-labels')}[data-drawn]:not([data-drawn="0"])`);
 }
 
-/** Where on the screen a pixel of the frozen picture lies. */
+/** Screen coordinates of a pixel of the frozen image. */
 async function onScreen(page, { x, y }) {
   const canvas = page.locator(byId('still-picture'));
   await canvas.scrollIntoViewIfNeeded();
@@ -112,7 +107,7 @@ async function onScreen(page, { x, y }) {
   const { width, height } = settings.cameras[0].source;
   return { x: box.x + ((x + 0.5) / width) * box.width, y: box.y + ((y + 0.5) / height) * box.height };
 }
-/** The middle of a dot of that label, left of the divider. */
+/** Centre of a dot with that label, left of the divider. */
 const dotOf = async (page, name) => {
   const color = colorOf(await state(), name);
   const found = await page.evaluate(([selector, wanted]) => {
@@ -128,7 +123,7 @@ const dotOf = async (page, name) => {
   assert.ok(found, `there is no ${name} in the left half of the picture`);
   return found;
 };
-/** Carpet: no label there, beside the lines. */
+/** Carpet: unlabelled, away from the lines. */
 const CARPET = { x: 200, y: 300 };
 
 async function drag(page, from, to, modifier) {
@@ -139,7 +134,7 @@ async function drag(page, from, to, modifier) {
   await page.mouse.up();
   if (modifier) await page.keyboard.up(modifier);
 }
-/** A place of the slice, by levels. */
+/** Screen coordinates of a point in the slice, from its levels. */
 async function inSlice(page, u, v) {
   const plane = page.locator(byId('slice'));
   await plane.scrollIntoViewIfNeeded();
@@ -171,7 +166,7 @@ describe('colours page', () => {
       await sliceIsThatOf(page, 84);
       await fits(page);
 
-      // The bodies of the cube, in its pixels.
+      // The bodies in the cube, checked by its pixels.
       await page.locator(byId('cube')).scrollIntoViewIfNeeded();
       await page.waitForSelector(`${byId('cube')}[data-cubes]:not([data-cubes="0"])`);
       await page.waitForFunction((selector) => {
@@ -181,7 +176,7 @@ describe('colours page', () => {
         copy.height = canvas.height;
         const context = copy.getContext('2d', { willReadFrequently: true });
         return new Promise((resolve) => requestAnimationFrame(() => {
-          // Drawn for this very frame, or its buffer would be empty.
+          // Triggers a redraw for this frame; otherwise the buffer would be empty.
           canvas.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowLeft' }));
           requestAnimationFrame(() => {
             context.drawImage(canvas, 0, 0);
@@ -229,8 +224,8 @@ describe('colours page', () => {
       await becomes((now) => cellsOf(now, 'cyan') < cellsOf(added, 'cyan'));
       await pixelBecomes(page, 'still-labels', CARPET.x, CARPET.y, colorOf(before, 'clear'));
 
-      // A box takes the carpet's colours where it spans it. (A click guesses their spread from nine pixels, now and
-      // then wider than a box finds it.)
+      // A box takes the carpet's colours in its area. (A click estimates their spread from nine pixels, which is
+      // sometimes wider than in a box.)
       await click(page, 'tool-box');
       const [from, to] = [await onScreen(page, CARPET), await onScreen(page, { x: CARPET.x + 40, y: CARPET.y + 30 })];
       if (view === 'desktop') {
@@ -254,13 +249,13 @@ describe('colours page', () => {
       const before = await state();
       await click(page, 'label-cyan');
       await click(page, 'tool-paint');
-      // A part of the plane where nothing is.
+      // An empty part of the plane.
       const [from, to] = [await inSlice(page, 200, 150), await inSlice(page, 230, 150)];
       if (view === 'desktop') {
         await drag(page, from, to);
         await saved(page);
         const painted = await becomes((now) => cellsOf(now, 'cyan') > 0);
-        // Its brush is three cells wide, 16 long and at least one deep.
+        // The brush covers three cells by 16, and at least one in depth.
         assert.ok(cellsOf(painted, 'cyan') >= 16 * 3, String(cellsOf(painted, 'cyan')));
         assert.equal(painted.steps.length, before.steps.length + 1, 'a stroke is one step');
         await sliceIsThatOf(page, 128);
@@ -294,7 +289,7 @@ describe('colours page', () => {
       assert.equal(cellsOfFile(await tableFile()).of(128, 200, 150), 0);
       await sliceIsThatOf(page, 128);
 
-      // By keys: back to the beginning, once forth and back.
+      // By keyboard: undo everything, with one redo in between.
       const steps = (await state()).steps.length;
       for (let i = 0; i < steps; i++) {
         const now = await state();
@@ -305,7 +300,7 @@ describe('colours page', () => {
       assert.equal(cellsOf(await state(), 'pink'), cellsOf(before, 'pink'));
       await page.keyboard.press('Control+Shift+Z');
       await becomes((now) => cellsOf(now, 'cyan') > 0);
-      // Whose step it is.
+      // Shows whose step it is.
       await page.waitForSelector(`${byId('undo')}[title^="Undo: painted cyan ("][title*=" cell"][title*="127.0.0.1, "]`);
       await click(page, 'undo');
       await becomes((now) => cellsOf(now, 'cyan') === 0);
@@ -320,7 +315,7 @@ describe('colours page', () => {
       for (const { label, surface } of before.margins) if (surface === 'carpet') await page.waitForSelector(`${byId(`margin-${label}`)}[data-kind="ok"]`);
       assert.equal(await page.locator(byId('margin-trial')).count(), 0, 'there is nothing to promise');
 
-      // Green in light that is half as much again as the carpet's.
+      // Green as the carpet looks in 1.5 times the light.
       const { mean } = await get(`api/cameras/0/pixels?x=${CARPET.x}&y=${CARPET.y}&width=9&height=9`);
       const at = mean.map((value, i) => Math.round(i === 0 ? 1.5 * value : 128 + 1.5 * (value - 128)));
       const painted = await post('api/cameras/0/colors/edits', { commands: [{ op: 'paint', label: 'green', shape: 'box', at, radius: [6, 10, 10], over: 'clear' }] });
@@ -332,7 +327,7 @@ describe('colours page', () => {
       await accessible(page, `Colours with a thin margin, ${view}`);
       await fits(page);
 
-      // The service looks at the carpet again now and then; only between the promise and the click may it not have.
+      // The service measures the carpet from time to time; retry if that happened between the preview and the click.
       let widened = null;
       await eventually(async () => {
         if (widened) {
@@ -353,7 +348,7 @@ describe('colours page', () => {
       await click(page, 'undo');
       await page.waitForSelector(`${row}[data-kind="warn"]`);
       assert.equal(cellsOf(await state(), 'green'), cellsOf(painted.state, 'green'));
-      // Whoever comes now sees it first.
+      // A newly opened page shows it first.
       await page.reload();
       await page.waitForSelector(`${row}[data-kind="warn"]`);
       await post('api/cameras/0/colors/undo');
@@ -363,7 +358,7 @@ describe('colours page', () => {
     it(`learns all colours, on a ${view}`, withPage(viewport, '#/colours/0', options, async (page) => {
       await ready(page);
       const { cameras: [{ robots }] } = await statusBecomes(({ cameras }) => cameras[0].robots > 0);
-      // Without its dots' colours nothing is found.
+      // Without the dots' colours no robot is found.
       await post('api/cameras/0/colors/edits', { commands: ['pink', 'green', 'yellow', 'blue'].map((label) => ({ op: 'remove', label })) });
       await statusBecomes(({ cameras }) => cameras[0].robots === 0);
       const empty = await tableFile();
@@ -503,7 +498,7 @@ describe('colours page', () => {
   it('says in the service\'s words what a file lacks, and keeps the table', withPage(DESKTOP, '#/colours/0', {}, async (page, panel) => {
     await ready(page);
     const before = await tableFile();
-    panel.errorsExpected = true; // the browser names the refused request
+    panel.errorsExpected = true; // the browser logs the refused request
     await page.click(byId('more-tools'));
     await page.setInputFiles(byId('import-file'), { name: 'notes.lut', mimeType: 'application/octet-stream', buffer: Buffer.from('no table at all') });
     await page.waitForSelector(`${byId('file-problem')}:has-text("notes.lut"):has-text("The table has not changed")`);
@@ -551,7 +546,7 @@ describe('colours page', () => {
     await saved(page);
     await page.waitForSelector(`${card}[data-state="following"]`);
     assert.equal((await get('api/settings')).settings.cameras[0].follow_light.enabled, true);
-    // It knows how the colours look in this light once it measures a gain.
+    // Once it measures a gain, it knows the colours in this light.
     await becomes(({ light }) => light.gain.some((value) => value !== 1));
     await patch({ op: 'add', path: '/cameras/0/source/light', value: 0.75 });
     await page.waitForSelector(`${byId('light-revert')}:not([disabled])`);
@@ -564,7 +559,7 @@ describe('colours page', () => {
     await page.click(byId('undo'));
     await becomes(({ undo }) => undo === null);
     assert.deepEqual(await tableFile(), accepted);
-    // What somebody else sets is seen here, too.
+    // Changes by another client are shown here, too.
     await patch({ op: 'replace', path: '/cameras/0/follow_light/enabled', value: false });
     await page.waitForSelector(`${card}[data-state="off"]`);
     await patch({ op: 'replace', path: '/cameras/0/source/light', value: 1 });
@@ -599,34 +594,7 @@ describe('colours page', () => {
     await page.waitForSelector(byId('picture'));
   }));
 
-  screenshots(['dark', 'light'].map((theme) => ({
-    file: `colours-${theme}.jpg`, theme, path: '#/colours/0', viewport: DESKTOP, options: {},
-    async ready(page) {
-      await ready(page);
-      await freeze(page, 'desktop');
-      const dot = await dotOf(page, 'pink');
-      await page.keyboard.press('4');
-      await page.waitForSelector(`${byId('cube')}[data-cubes]:not([data-cubes="0"])`);
-      const at = await onScreen(page, dot);
-      await page.mouse.move(at.x, at.y);
-      await page.waitForSelector(byId('trial'));
-      await page.waitForSelector(`${byId('area')}[data-kind="region"]`);
-    },
-  })));
-  screenshots([{
-    file: 'colours-phone.jpg', theme: 'dark', path: '#/colours/0', viewport: PHONE, options: phone,
-    async ready(page) {
-      await ready(page);
-      await freeze(page, 'phone');
-      const dot = await dotOf(page, 'pink');
-      const at = await onScreen(page, dot);
-      await page.touchscreen.tap(at.x, at.y);
-      await page.waitForSelector(byId('pickout'));
-      await page.evaluate(() => scrollTo(0, 0));
-    },
-  }]);
-
-  // The last: a step that a label is gone since cannot be undone.
+  // Must be last: a step whose label was removed cannot be undone.
   it('has labels of the admin\'s own', withPage(DESKTOP, '#/colours/0', {}, async (page) => {
     await ready(page);
     await page.click(byId('new-label'));
@@ -642,7 +610,7 @@ describe('colours page', () => {
     await becomes((now) => cellsOf(now, 'cup') > 0);
     await sliceIsThatOf(page, 128);
     await pixelBecomes(page, 'slice-canvas', 10, 117, [128, 64, 255]);
-    // Hidden it looks like no label.
+    // A hidden label is drawn like no label.
     await page.click(byId('eye-cup'));
     await pixelBecomes(page, 'slice-canvas', 10, 117, colorOf(await state(), 'clear'));
     await page.click(byId('drop-cup'));

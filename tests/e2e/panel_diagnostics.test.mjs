@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page "Diagnostics" against the real service: what it shows is what the interface says.
+// The page Diagnostics with the real service: it must show what the API returns.
 // Environment: see service.mjs and browser.mjs.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
@@ -9,25 +9,25 @@ import { accessible, accessibleInThemes, byId, comesUp, createBrowser, DESKTOP, 
 import { becomes, createService, eventually } from './service.mjs';
 
 const service = await createService('239.255.77.85');
-const { settings, folder, address, patch, statusBecomes } = service;
-const { aroundTests, withPage, screenshots } = createBrowser(service);
+const { settings, folder, address, patch } = service;
+const { aroundTests, withPage } = createBrowser(service);
 const PATH = '#/diagnostics';
 
 const ask = async (path) => (await fetch(address(`api/${path}`))).json();
 
-/** Asks for the timeline until it is as wanted. */
+/** Polls the timeline until `wanted` is satisfied. */
 const timelineBecomes = (wanted) => becomes(() => ask('timeline?seconds=600'), wanted, ({ time_s, cameras }) => JSON.stringify({
   seconds: time_s.length, newest: time_s.slice(-6), cameras: cameras.map(({ id, fps, robots }) => ({ id, fps: fps.slice(-6), robots: robots.slice(-6) })),
 }));
 const camera = (timeline, id) => timeline.cameras.find((one) => one.id === id);
 
-/** The sample of that moment; -1: there is none. */
+/** Index of the sample at that time; -1 if there is none. */
 const sampleAt = ({ time_s }, time) => time_s.findIndex((one) => Math.abs(one - time) < 0.002);
-/** Where the service slept through a second, as it may on a busy machine, the page has one without values. */
+/** If the service missed a second, as on a busy machine, the page shows that second without values. */
 const isHole = ({ time_s, interval_s }, time) =>
   time_s.some((one, i) => Math.abs(one + interval_s - time) < 0.002 && time_s[i + 1] - one > 1.9 * interval_s);
 
-/** What the page writes for a camera's figures at a sample. */
+/** The page's texts for a camera's values at a sample. */
 function expectedValues(timeline, id, at) {
   if (at < 0) return { latency: '–', fps: '–', seen: '–', lost: '–' };
   const { latency_p50_ms, latency_p99_ms, fps, robots, balls, dropped, incomplete } = camera(timeline, id);
@@ -39,7 +39,7 @@ function expectedValues(timeline, id, at) {
   };
 }
 
-/** The numbers above the graphs, and the moment they are of, read in one task. */
+/** The values above the graphs and their time, read in one task. */
 const shownValues = (page, ids) => page.evaluate(([list, tipSelector]) => {
   const values = Object.fromEntries(list.map((id) => [id, Object.fromEntries(['latency', 'fps', 'seen', 'lost'].map((graph) =>
     [graph, document.querySelector(`[data-testid="value-${graph}-${id}"]`).lastChild.textContent.trim()]))]));
@@ -48,7 +48,7 @@ const shownValues = (page, ids) => page.evaluate(([list, tipSelector]) => {
 
 const ids = settings.cameras.map(({ id }) => id);
 
-/** Moves the cursor by keys and compares what stands there with the interface. */
+/** Compares the values at the cursor with the API; returns the cursor's time. */
 async function compareAtCursor(page) {
   const { values, time } = await shownValues(page, ids);
   const timeline = await ask('timeline?seconds=600');
@@ -58,30 +58,31 @@ async function compareAtCursor(page) {
   return time;
 }
 
-/** All cameras have run for some seconds, and the page says so. */
+/** Waits until all cameras have run for some seconds and the page shows it. */
 async function drawn(page) {
   await timelineBecomes(({ time_s, cameras }) => time_s.length > 8 && cameras.every(({ fps }) => fps.slice(-5).every((value) => value !== null)));
   for (const id of ids) await textBecomes(page, `value-fps-${id}`, /\d$/);
 }
 
-/** Puts the cursor on the page's newest second, by key. */
+/** Moves the cursor to the page's newest second, by keyboard. */
 async function toNewest(page) {
   await page.focus(byId('graphs'));
   await page.keyboard.press('End');
   await page.waitForSelector(byId('tip'));
 }
-/** The page has that second, too; the cursor stands on its newest one. */
+/** Waits until the page has that second; the cursor is then on its newest one. */
 const pageReaches = (page, wanted) => becomes(async () => {
   await toNewest(page);
   return (await shownValues(page, ids)).time;
 }, (newest) => newest > wanted - 0.002);
 
-/** In dark: the colours of the cameras' curves. */
+/** Colours of the cameras' curves in the dark theme. */
 const CURVES = [[0x8a, 0xb4, 0xff], [0xf2, 0x9b, 0xd4]];
 
 /**
- * Measures a graph's pixels and its cursor; runs in the browser, in one task, so that they belong together.
- * `columns` are those of the last seconds before the cursor, with their distance from the right edge and the rows of the curves over the zero line.
+ * Measures a graph's pixels and its cursor; runs in the browser, in one task, so that both belong together. `columns`:
+ * the pixel columns of the last six seconds before the cursor, with their distance from the right edge and the heights
+ * of the curves above the zero line.
  */
 function measureGraph([name, curves]) {
   const graph = document.querySelector(`[data-testid="graph-${name}"]`);
@@ -91,7 +92,7 @@ function measureGraph([name, curves]) {
   const [left, top, width, height] = [plane.left - whole.left, plane.top - whole.top, plane.width, plane.height].map((length) => Math.round(length * scale));
   const column = (x) => canvas.getContext('2d').getImageData(left + x, top, 1, height).data;
   const isCurve = (r, g, b, a) => a > 200 && curves.some((colour) => Math.hypot(r - colour[0], g - colour[1], b - colour[2]) < 40);
-  const perSecond = width / 60; // the minute fills the plane
+  const perSecond = width / 60; // the plot shows one minute
   const cursorX = ((cursor.right - plane.left) / plane.width) * width;
   const columns = [];
   for (let x = Math.ceil(cursorX - 6 * perSecond); x < cursorX; x++) {
@@ -100,8 +101,8 @@ function measureGraph([name, curves]) {
     for (let y = 0; y < height; y++) if (isCurve(...data.subarray(4 * y, 4 * y + 4))) rows.push(height - y - 0.5);
     columns.push({ fromRight_s: (width - x - 0.5) / perSecond, rows });
   }
-  const time = Date.parse(document.querySelector('[data-testid="tip"] time')?.dateTime) / 1000; // NaN: it has left the graph
-  // How much of the half second before the cursor has the shade of the second camera.
+  const time = Date.parse(document.querySelector('[data-testid="tip"] time')?.dateTime) / 1000; // NaN: the cursor is outside the graph
+  // Share of the column half a second before the cursor that has the second camera's shade.
   const second = column(Math.round(cursorX - 0.5 * perSecond));
   let shaded = 0;
   for (let y = 0; y < height; y++) {
@@ -111,14 +112,14 @@ function measureGraph([name, curves]) {
   return { columns, time, scale, perSecond, cursorFromRight_s: (width - cursorX) / perSecond, shade: shaded / height };
 }
 
-/** Around a step the lines' own width is in the way: on a phone a second has ten pixels. */
+/** Near a step the width of the lines interferes: on a phone a second is ten pixels wide. */
 const MARGIN_S = 0.38;
 
-/** The robots' and balls' counts of some seconds stand at their heights: heights are as the counts are. */
+/** The counts of robots and balls in some seconds are drawn to scale. */
 async function assertSeenDrawnToScale(page) {
   await page.click('button:has-text("1 min")');
-  // Of seconds that a busy machine made shorter nothing is left to look at between their steps, and in longer ones there
-  // is a hole.
+  // Uses only seconds of normal length: shorter ones leave nothing between their steps, longer ones contain a hole.
+  // Both happen on a busy machine.
   const whole = (time_s, at) => [at - 3, at - 2, at - 1, at].filter((i) => time_s[i] - time_s[i - 1] > 0.9 && time_s[i] - time_s[i - 1] < 1.9);
   const { measured: { columns, scale }, timeline, at, curves } = await becomes(async () => {
     await toNewest(page);
@@ -130,12 +131,12 @@ async function assertSeenDrawnToScale(page) {
   }, ({ measured: { time, scale, perSecond, cursorFromRight_s }, timeline: { time_s }, at, curves }) => at > 4 && at + 1 < time_s.length
     && whole(time_s, at).length > 1
     && [at - 3, at - 2, at - 1, at].every((i) => curves.every((curve) => curve[i] !== null) && curves.some((curve) => curve[i] > 0))
-    // The right edge is the newest second, one after the cursor's; the cursor stands on whole CSS pixels.
+    // The right edge is the newest second, one after the cursor's; the cursor is at whole CSS pixels.
     && Math.abs(time_s[at + 1] - time - cursorFromRight_s) * perSecond < 2 * scale,
   ({ measured: { time, cursorFromRight_s }, timeline: { time_s }, at, curves }) =>
     JSON.stringify({ time, cursorFromRight_s, at, newest: time_s.slice(-6), curves: curves.map((curve) => curve.slice(-6)) }));
   const right = timeline.time_s[at + 1];
-  // A sample stands for the time since the one before; at its ends steps go up and down.
+  // A sample covers the time since the previous one; the steps are at its ends.
   const seconds = whole(timeline.time_s, at).map((i) => ({
     counts: curves.map((curve) => curve[i]),
     columns: columns.filter(({ fromRight_s }) => right - fromRight_s > timeline.time_s[i - 1] + MARGIN_S && right - fromRight_s < timeline.time_s[i] - MARGIN_S),
@@ -151,7 +152,7 @@ async function assertSeenDrawnToScale(page) {
     const strays = second.columns.flatMap((column) => column.rows).filter((row) => !second.counts.some((count) => isAt(row, count)));
     assert.deepEqual(strays, [], told);
   }
-  // Balls are dashed, and the zero line lies on the plane's edge.
+  // Balls are dashed, and the zero line coincides with the edge of the plot.
   for (const [i, count] of seconds[0].counts.entries())
     if (count > 0 && seconds.every(({ counts }) => counts[i] === count)) assert.ok(rows.some((row) => isAt(row, count)), `${count}: ${told}`);
 }
@@ -177,7 +178,7 @@ describe('panel: Diagnostics', () => {
       await page.keyboard.press('Escape');
       await page.waitForSelector(byId('tip'), { state: 'detached' });
 
-      // It goes on by itself.
+      // It updates automatically.
       const newest = (await ask('timeline?seconds=1')).time_s[0];
       await pageReaches(page, newest + 1.5);
       await compareAtCursor(page);
@@ -187,7 +188,7 @@ describe('panel: Diagnostics', () => {
 
     it(`tells of the computer, stages and transport on a ${name}`, withPage(viewport, PATH, options, async (page) => {
       await page.waitForSelector(byId('stage-histogram'));
-      // The page asks once a second, and says nothing of what is older.
+      // The page polls once a second and marks nothing as outdated, so retry.
       await eventually(async () => {
         const { system, clock, cameras } = await ask('diagnostics');
         const computer = await text(page, 'computer');
@@ -239,7 +240,7 @@ describe('panel: Diagnostics', () => {
 
     await page.click(byId('log-pause'));
     await patch({ op: 'replace', path: '/site', value: 'Field of the pause' });
-    await page.waitForSelector('section:has-text("paused, "):has-text(" new line")'); // one, or more when the service has more to say
+    await page.waitForSelector('section:has-text("paused, "):has-text(" new line")'); // one or more, as the service may log something else
     assert.ok(!(await shownLines(page)).some((line) => line.text.includes('Field of the pause')));
     await page.click(byId('log-pause'));
     await lineIs(page, 'Field of the pause');
@@ -265,7 +266,7 @@ describe('panel: Diagnostics', () => {
       const missing = join(folder, `no-such-recording-${name}`);
       await patch({ op: 'replace', path: '/cameras/1/source', value: { backend: 'files', path: missing } });
       const { time_s } = await timelineBecomes((timeline) => camera(timeline, 1).fps.slice(-4).every((value) => value === null));
-      // Both at once: a page that hears nothing for a while has no value of any camera.
+      // Both in one check: a page that receives nothing for a while has no values of any camera.
       await page.waitForFunction((selectors) => {
         const [other, lost] = selectors.map((selector) => document.querySelector(selector)?.lastChild.textContent.trim());
         return lost === '–' && /\d$/.test(other ?? '');
@@ -275,14 +276,14 @@ describe('panel: Diagnostics', () => {
 
       await page.click('button:has-text("1 min")');
       await pageReaches(page, time_s.at(-1));
-      // A hole is a second in which neither ran.
+      // A hole is a second in which neither camera ran.
       await becomes(async () => {
         await toNewest(page);
         await page.keyboard.press('ArrowLeft');
         return text(page, 'tip');
       }, (tip) => tip.includes('Camera 1 was not running') && !tip.includes('Camera 0 was'));
       await compareAtCursor(page);
-      // Beside the other camera's curves there is nothing but the shade in camera 1's colour.
+      // Besides the other camera's curves there is only the shade in camera 1's colour.
       const { shade } = await page.evaluate(measureGraph, ['latency', CURVES]);
       assert.ok(shade > 0.6, `${shade} of a second is shaded`);
 
@@ -290,7 +291,7 @@ describe('panel: Diagnostics', () => {
       await page.waitForSelector(`${byId('log-line')}[data-level="info"]`, { state: 'detached' });
       await lineIs(page, missing);
       const shown = await shownLines(page);
-      const { lines } = await ask('log?level=warning'); // it may have newer ones by now
+      const { lines } = await ask('log?level=warning'); // may contain newer lines
       assert.deepEqual(shown.map((line) => line.text).reverse(), lines.slice(0, shown.length).map((line) => line.text));
       assert.ok(shown.every(({ level }) => level === 'warning' || level === 'error'));
       await page.click(byId('level-info'));
@@ -319,7 +320,7 @@ describe('panel: Diagnostics', () => {
       await page.waitForSelector(`${lost}[data-open="false"]`);
       await page.waitForSelector(`${byId('event')}[data-kind="settings_changed"]:has-text("/cameras/1/source"):has-text("by 127.0.0.1")`);
       await page.waitForSelector(`${byId('event')}[data-kind="camera_reopened"]`);
-      // What it shows is what the interface says, in the browser's zone.
+      // It shows what the API returns, in the browser's time zone.
       await eventually(async () => {
         const { entries } = await ask('events');
         const shown = await page.$$eval(byId('event'), (rows) => rows.map((row) => [row.dataset.kind, row.querySelector('time').textContent, row.querySelector('time').dateTime]));
@@ -371,7 +372,7 @@ describe('panel: Diagnostics', () => {
     const files = execFileSync('tar', ['tf', await download.path()], { encoding: 'utf8' }).trim().split('\n');
     assert.ok(files.at(-1).endsWith(`/${name}`), files.join());
     assert.equal((await fetch(address(`api/recordings/clips/${name}`), { method: 'DELETE' })).status, 200);
-    panel.errorsExpected = true; // the browser's own line of what was refused
+    panel.errorsExpected = true; // the browser logs the refusal
     await page.click(byId('support'));
     await page.waitForSelector('[role="alert"]:has-text("there is no such clip")');
     await page.waitForSelector(byId('support-clip'), { state: 'detached' });
@@ -398,9 +399,4 @@ describe('panel: Diagnostics', () => {
     await patch({ op: 'replace', path: '/site', value: 'Field after the restart' });
     await lineIs(page, 'Field after the restart');
   }));
-
-  screenshots(['dark', 'light'].map((theme) => ({
-    file: `diagnostics-${theme}.jpg`, theme, path: PATH, viewport: DESKTOP, options: {},
-    ready: async () => { await timelineBecomes(({ time_s }) => time_s.length > 60); },
-  })));
 });

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The panel's page of the field and the network, as a user works with it; what it changes is looked up at the service
-// and in the packets that leave. Environment: see service.mjs and browser.mjs.
+// The panel's page of the field and the network from a user's point of view; changes are verified at the service and in
+// the packets sent. Environment: see service.mjs and browser.mjs.
 import assert from 'node:assert/strict';
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
-import { beforeEach, describe, it } from 'node:test';
-import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, itLong, PHONE, phone, saved, views } from './browser.mjs';
+import { beforeEach, describe } from 'node:test';
+import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, itLong, saved, views } from './browser.mjs';
 import { fieldsOf } from './protobuf.mjs';
 import { createService, eventually, freeUdpPort, PATIENCE_MS } from './service.mjs';
 
@@ -17,9 +17,9 @@ const service = await createService(GROUP);
 const { settings, address, patch, statusBecomes } = service;
 const refereePort = await freeUdpPort();
 settings.network.referee = { group: REFEREE_GROUP, port: refereePort, interface: 'lo' };
-const { aroundTests, withPage, screenshots } = createBrowser(service);
+const { aroundTests, withPage } = createBrowser(service);
 
-/** A field of a protobuf message: a string or a message, or a small number. */
+/** A field of a protobuf message: a string, a message or a small number. */
 const field = (number, value) => {
   const tag = (kind) => { const one = number * 8 + kind; return one < 128 ? [one] : [(one & 127) | 128, one >> 7]; };
   if (typeof value === 'number') return Buffer.from([...tag(0), value]);
@@ -27,7 +27,7 @@ const field = (number, value) => {
   return Buffer.concat([Buffer.from([...tag(2), bytes.length]), bytes]);
 };
 
-/** Receives what goes to a group until one packet is as wanted. */
+/** Receives a group's packets until one satisfies `wanted`. */
 async function received(group, port, wanted) {
   const socket = createSocket({ type: 'udp4', reuseAddr: true });
   try {
@@ -45,11 +45,11 @@ async function received(group, port, wanted) {
 }
 const DETECTION = 1;
 const GEOMETRY = 2;
-/** Length of the published field in a geometry packet; undefined in others. */
+/** Field length in a geometry packet; undefined for other packets. */
 const lengthIn = (packet) => packet[GEOMETRY] && fieldsOf(fieldsOf(packet[GEOMETRY][0])[1][0])[1][0];
 const cameraIn = (packet) => packet[DETECTION] && fieldsOf(packet[DETECTION][0])[4][0];
 
-/** Sends packets again and again, from a socket of its own, while `work` lasts. */
+/** Sends packets repeatedly, from its own socket, until `work` is done. */
 async function whileSending(packets, group, port, work) {
   const socket = createSocket('udp4');
   socket.bind(0, LOCAL);
@@ -89,7 +89,7 @@ describe('panel: field and network', () => {
       await carpetBecomes(page, 9 / 6);
       await page.waitForSelector(`${byId('preset-division-b')}[data-used]`);
       await page.click(byId('preset-division-a'));
-      // Looking changes nothing.
+      // A preview changes nothing.
       const row = await page.textContent(`${byId('preset-changes')} tr[data-key="field_length"]`);
       assert.match(row, /9000 mm.*12000 mm/);
       await page.waitForSelector(byId('field-ghost'));
@@ -122,7 +122,7 @@ describe('panel: field and network', () => {
 
       await type(page, '/field/penalty_area_width', '2000');
       await statusBecomes((status) => status.field.penalty_area_width === 2000);
-      // A dimension leads to its number.
+      // A click on a dimension focuses its number.
       await page.click(`${byId('dimension-field_length')} text`);
       await page.waitForFunction((selector) => document.activeElement === document.querySelector(selector), inputOf('/field/field_length'));
     }));
@@ -137,7 +137,7 @@ describe('panel: field and network', () => {
       await page.press(cell, 'Enter');
       await statusBecomes((status) => status.field.field_lines?.[0].y1 === 2990);
       await saved(page);
-      // Two lines of one name cannot be told apart.
+      // Two lines must not have the same name.
       const names = `${lines} .name input >> nth=1`;
       await page.fill(names, 'TopTouchLine');
       panel.errorsExpected = true; // the browser logs the refusal
@@ -164,7 +164,7 @@ describe('panel: field and network', () => {
       await page.waitForSelector(`${setting('/network/vision/group')} [role="alert"]:has-text("The service still uses ${GROUP}.")`);
       assert.equal((await vision()).group, GROUP);
       await page.press(inputOf('/network/vision/group'), 'Escape');
-      // The cards are those of this computer.
+      // Lists this computer's network cards.
       const cards = await page.$$eval(`${setting('/network/vision/interface')} option`, (list) => list.map(({ value }) => value));
       assert.ok(cards.includes('') && cards.includes('lo'), String(cards));
     }));
@@ -206,7 +206,7 @@ describe('panel: field and network', () => {
         await page.waitForSelector(`${byId('referee-source')}:has-text("the test at ${LOCAL}")`);
         await page.waitForSelector(`${byId('match-state')}:has-text("running")`);
 
-        // Measured by hand, in the match: only once it is unlocked for that.
+        // Manual entry during the match, possible only after unlocking.
         await page.waitForSelector(`${inputOf('/teams/blue/robot_height')}:disabled`);
         await accessible(page, `locked settings of the network on a ${name}`);
         await page.click(byId('turn-lock'));
@@ -285,12 +285,4 @@ describe('panel: field and network', () => {
       }
     }));
   }
-
-  screenshots(['dark', 'light'].flatMap((theme) => [
-    { file: `field-${theme}.jpg`, theme, path: '#/field', viewport: DESKTOP, options: {}, ready: (page) => page.focus(inputOf('/field/field_length')) },
-    { file: `field-live-${theme}.jpg`, theme, path: '#/field/live', viewport: DESKTOP, options: {}, ready: (page) => page.waitForSelector(byId('live-robot')) },
-    { file: `network-${theme}.jpg`, theme, path: '#/field/network', viewport: DESKTOP, options: {}, ready: (page) => page.waitForSelector(byId('team-yellow')) },
-  ]).concat([
-    { file: 'field-live-phone.jpg', theme: 'dark', path: '#/field/live', viewport: PHONE, options: phone, ready: (page) => page.waitForSelector(byId('live-robot')) },
-  ]));
 });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a fresh install to a field: the panel of a service without cameras, in a real browser.
+// From a fresh installation to a field: the panel of a service without cameras, in a real browser.
 // Environment: see service.mjs and browser.mjs.
 import assert from 'node:assert/strict';
 import { mkdirSync, readFileSync, symlinkSync } from 'node:fs';
@@ -13,7 +13,7 @@ import { becomes, createService, root } from './service.mjs';
 const service = await createService('239.255.77.86');
 const { address, settings } = service;
 settings.cameras = [];
-const { aroundTests, withPage, screenshots } = createBrowser(service);
+const { aroundTests, withPage } = createBrowser(service);
 
 const require = createRequire(join(root, 'webui/package.json'));
 const readerSource = readFileSync(require.resolve('jsqr/dist/jsQR.js'), 'utf8');
@@ -23,13 +23,13 @@ const photo = join(golden, 'division_b.jpg');
 const cameras = async () => (await (await fetch(address('api/settings'))).json()).settings.cameras;
 const stepBecomes = (page, id, state) => page.waitForSelector(`${byId(`step-${id}`)}[data-state="${state}"]`, { state: 'attached' });
 
-/** Nothing is wider than the window. */
+/** No content is wider than the window. */
 const fits = async (page) => {
   const [wide, window] = await page.evaluate(() => [document.documentElement.scrollWidth, document.documentElement.clientWidth]);
   assert.ok(wide <= window, `${wide} px wide in ${window}`);
 };
 
-/** What a phone's camera would read in the code on the screen. */
+/** Decodes the QR code on the screen, as a phone's camera would. */
 async function readCode(page) {
   const code = page.locator(byId('qr'));
   await code.waitFor();
@@ -59,7 +59,7 @@ describe('the first set-up', () => {
       }
       await textBecomes(page, 'steps-done', /^0 of 7 done$/);
 
-      // The pages of a camera lead to adding one.
+      // The camera pages lead to adding a camera.
       for (const name of ['camera', 'colours', 'calibration']) {
         await page.goto(address(`#/${name}`));
         await page.click('main a:has-text("Add a camera")');
@@ -67,7 +67,7 @@ describe('the first set-up', () => {
       }
       const [steps, add] = await Promise.all([byId('first-steps'), byId('add-camera')].map((one) => page.locator(one).boundingBox()));
       assert.ok(steps.height > 150 && steps.y + steps.height <= add.y, 'the steps have their own room');
-      // It looked for cameras by itself: there is an answer, whatever is plugged in.
+      // The search for cameras ran automatically and has a result, whatever is plugged in.
       await page.waitForSelector(`${byId('none-found')}, ${byId('found-camera')}`);
       for (const way of ['address', 'files', 'upload']) {
         await page.click(byId(`way-${way}`));
@@ -79,8 +79,8 @@ describe('the first set-up', () => {
   }
 
   it('shows an image of a camera that is found, before it is added', withPage(DESKTOP, '#/settings/cameras', {}, async (page, panel) => {
-    panel.errorsExpected = true; // the browser calls the camera that is not there one
-    // What is plugged into this computer nobody knows: the list is made up, all else is real.
+    panel.errorsExpected = true; // the browser logs the missing camera
+    // Cameras plugged into this computer are unknown, so the list is faked; everything else is real.
     const source = { backend: 'files', path: photo, loop: true };
     await page.route('**/api/sources', async (route) => route.fulfill({ json: { sources: [
       { backend: 'files', name: 'Photo', model: 'Photo', serial: '17', formats: [], source, camera: (await cameras()).length ? 0 : null },
@@ -98,7 +98,7 @@ describe('the first set-up', () => {
     await good.locator('button:has-text("Add")').click();
     await becomes(cameras, (list) => list.length === 1 && list[0].source.path === photo);
     await page.waitForSelector(byId('camera-entry'));
-    // A second press would make a second camera of the same one.
+    // A second click would add the same camera twice.
     const again = page.locator(byId('found-camera')).first();
     await again.locator('text=in use: camera 0').waitFor();
     assert.equal(await again.locator('button:has-text("Add")').count(), 0);
@@ -114,7 +114,7 @@ describe('the first set-up', () => {
     assert.equal(camera.source.backend, 'aravis');
     assert.equal(camera.source.camera, '127.0.0.9');
     await page.waitForSelector(byId('camera-tile-0'));
-    // It is real, but it does not run.
+    // It is a real camera, but it does not run.
     await page.click(byId('steps-all'));
     await stepBecomes(page, 'camera', 'trouble');
   }));
@@ -151,14 +151,14 @@ describe('the first set-up', () => {
     await page.click(`${byId('file-entry')} button:text-is("trap")`);
     await textBecomes(page, 'folder', /trap$/);
     assert.deepEqual(await page.$$eval(byId('file-entry'), (all) => all.map((one) => one.textContent.trim())), ['inside']);
-    // Up as far as it goes is the list of folders again.
+    // Going up from the top level leads back to the list of folders.
     while (await page.isVisible(byId('folder-up'))) {
       const before = await page.textContent(byId('folder'));
       await page.click(byId('folder-up'));
       await page.waitForFunction(([selector, old]) => document.querySelector(selector)?.textContent !== old, [byId('folder'), before]);
     }
     assert.deepEqual(await page.$$eval(`${byId('file-entry')} button`, (all) => all.map((one) => one.textContent.trim())), tops);
-    panel.errorsExpected = true; // the browser calls a refusal one
+    panel.errorsExpected = true; // the browser logs the refusal
     for (const folder of ['/etc', join(outside, 'etc'), join(outside, '../../../..'), 'etc']) {
       const answer = await page.evaluate(async (path) => (await fetch(`api/files?folder=${encodeURIComponent(path)}`)).status, folder);
       assert.equal(answer, 422, folder);
@@ -170,7 +170,7 @@ describe('the first set-up', () => {
       const file = (called, buffer, mimeType = 'image/jpeg') => ({ name: called, mimeType, buffer });
       const jpeg = readFileSync(photo);
       await page.click(byId('way-upload'));
-      panel.errorsExpected = true; // the browser calls a refusal one
+      panel.errorsExpected = true; // the browser logs the refusal
       await page.setInputFiles(byId('upload-images'), [file('film.gif', jpeg, 'image/gif')]);
       await textBecomes(page, 'upload-error', /^film\.gif: only JPEG and PNG images can be uploaded/);
       await page.setInputFiles(byId('upload-images'), [file('notes.jpg', Buffer.from('no image'))]);
@@ -190,12 +190,12 @@ describe('the first set-up', () => {
   }
 
   it('lets nothing come between images and their camera, and can be cancelled', withPage(DESKTOP, '', {}, async (page, panel) => {
-    panel.errorsExpected = true; // the browser calls an upload that was cancelled one
+    panel.errorsExpected = true; // the browser logs the cancelled upload
     let goOn;
     const held = new Promise((resolve) => { goOn = resolve; });
     await page.route('**/api/images?*', async (route) => {
       await held;
-      await route.continue().catch(() => {}); // it was cancelled
+      await route.continue().catch(() => {}); // the upload was cancelled
     });
     const isImage = (request) => request.url().includes('/api/images?');
     const begin = async () => {
@@ -230,7 +230,7 @@ describe('the first set-up', () => {
     const folder = source.path.split('/').at(-1);
     await page.click(byId('way-upload'));
     const entry = page.locator(byId('uploaded-folder')).filter({ hasText: folder });
-    panel.errorsExpected = true; // the browser calls a refusal one
+    panel.errorsExpected = true; // the browser logs the refusal
     const remove = async () => {
       await entry.locator(`[aria-label="Remove ${folder}"]`).click();
       await entry.locator('text=Remove these images?').waitFor();
@@ -255,7 +255,7 @@ describe('the first set-up', () => {
     assert.equal(await page.textContent(byId('origin-0')), 'simulated');
     await textBecomes(page, 'verdict-unreal', /simulated images only/);
     await textBecomes(page, 'check-cameras', /all are running, 1 simulated/);
-    // The page has cameras to show now: the steps are one line, with the next one.
+    // The page now has cameras to show, so the steps collapse to one line with the next one.
     await page.waitForSelector(byId('step-camera'), { state: 'hidden' });
     await textBecomes(page, 'first-steps', /Next: A camera · A real camera is missing: simulated images only/);
     await page.click(byId('steps-all'));
@@ -274,7 +274,7 @@ describe('the first set-up', () => {
     assert.equal(await page.locator(byId('first-steps')).count(), 0);
   }));
 
-  // Last: from here on there is a password.
+  // Must be last: it sets a password.
   it('says how a phone opens the panel, with a code once it can', withPage(DESKTOP, '', {}, async (page) => {
     await page.click(byId('address'));
     await textBecomes(page, 'no-address', /listens on this computer only.*ssh -L/);
@@ -305,6 +305,4 @@ describe('the first set-up', () => {
     await page.keyboard.press('Escape');
     await stepBecomes(page, 'password', 'done');
   }));
-
-  screenshots([{ file: 'first-dark.jpg', theme: 'dark', path: '', viewport: DESKTOP, options: {}, ready: (page) => page.waitForSelector(`${byId('none-found')}, ${byId('found-camera')}`) }]);
 });

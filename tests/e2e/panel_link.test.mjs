@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The panel over links that are slow or cut, and what it tells somebody who does not look at it. A proxy stands between
-// the real service and the browser.
+// The panel over slow or broken links, and its alerts when nobody looks at it. A proxy connects the real service and
+// the browser.
 import assert from 'node:assert/strict';
 import { copyFileSync, rmSync } from 'node:fs';
 import { join } from 'node:path';
@@ -15,17 +15,17 @@ const link = await createLink(() => service.settings.panel.port);
 const browser = createBrowser({ ...service, address: link.address });
 
 const linkIs = (page, state) => page.waitForSelector(`${byId('connection')}[data-link="${state}"]`);
-/** Of the whole page, as it is now. */
+/** All currently shown on the page. */
 const troubles = (page) => page.locator(byId('picture-trouble')).allTextContents();
 
-/** A camera from a file that is not there (yet). */
+/** A camera with a file that does not exist (yet). */
 const picture = join(service.folder, 'camera.jpg');
 const noFiles = (camera = 1, path = picture) => service.patch({ op: 'replace', path: `/cameras/${camera}/source`, value: { backend: 'files', path, loop: true, frame_rate_hz: 20 } });
-/** The history, which is written once a second. */
+/** The event history, which is updated once a second. */
 const events = async () => (await (await fetch(service.address('api/events'))).json()).entries;
 const isLost = () => service.statusBecomes(({ cameras }) => cameras[1].state === 'lost');
 
-/** An open page whose errors are expected: what cannot be loaded is told in the console. */
+/** Opens a page whose errors are expected: the browser logs what cannot be loaded. */
 async function onPage(path, test, { viewport = DESKTOP, options = {}, prepare = () => {} } = {}) {
   const { page, strangers } = await browser.openPage(viewport, options);
   try {
@@ -38,10 +38,10 @@ async function onPage(path, test, { viewport = DESKTOP, options = {}, prepare = 
   }
 }
 
-/** Waits until the service worker has taken the page's files. */
+/** Waits until the service worker controls the page and has its files. */
 const kept = (page) => page.waitForFunction(() => navigator.serviceWorker?.controller !== null && navigator.serviceWorker !== undefined);
 
-// Else this process would not end.
+// Otherwise this process would not end.
 after(() => link.end());
 
 describe('panel over a bad link', () => {
@@ -57,7 +57,7 @@ describe('panel over a bad link', () => {
     it(`says "Slow link" at ${kbps} kbit/s and calls no camera lost, but one that is`, () => onPage('', async (page) => {
       await linkIs(page, 'slow');
       await textBecomes(page, 'connection', /^Slow link$/);
-      // While what passes in two seconds passes.
+      // During the time in which two seconds' worth of data is transferred.
       const before = link.bytes();
       await becomes(async () => {
         const said = await troubles(page);
@@ -93,12 +93,12 @@ describe('panel over a bad link', () => {
       link.mend();
       await page.waitForSelector('h1:has-text("Diagnostics")', { state: 'attached' });
       await live(page);
-      // With its styles.
+      // Including its styles.
       await page.waitForFunction(() => {
         try {
           return [...document.querySelectorAll('link[rel="stylesheet"]')].some(({ href, sheet }) => href.includes('DiagnosticsPage') && sheet?.cssRules.length > 0);
         } catch {
-          return false; // one that did not come
+          return false; // failed to load
         }
       });
     }, { options: { serviceWorkers: hasWorker ? 'allow' : 'block' } }));
@@ -135,7 +135,7 @@ describe('panel over a bad link', () => {
     }, { prepare: (page) => page.addInitScript(prepare) }));
   }
 
-  /** While `work` goes on the service has another panel. */
+  /** Runs `work` while the service serves another version of the panel. */
   async function withUpgrade(work) {
     const built = service.panelFolder;
     const upgraded = join(service.folder, 'upgraded');
@@ -173,7 +173,7 @@ describe('panel over a bad link', () => {
       await page.waitForSelector(byId('new-panel'));
       const faults = await layoutFaults(page, { isTouch: true });
       assert.deepEqual(faults.filter(({ at }) => /new-panel|connection|theme/.test(at)), [], 'the bar has room for it');
-      // The browser's own cache may have it for a while.
+      // The browser's own cache may still have the file.
       await page.route(/DiagnosticsPage-[\w-]*(?<!-upgraded)\.js$/, (route) => route.fulfill({ status: 404 }));
       await page.evaluate(async () => {
         sessionStorage.setItem('reloaded-for', 'assets/index-upgraded.js');
@@ -209,7 +209,7 @@ describe('panel that nobody looks at', () => {
 
   const sign = (page) => page.evaluate(() => decodeURIComponent(document.querySelector('link[rel="icon"]').href));
 
-  /** Counts tones and notes; what the page has of a real browser is not heard. */
+  /** Counts tones and notifications instead of playing or showing them. */
   const listen = (page) => page.addInitScript(() => {
     window.heard = { tones: 0, notes: [] };
     const start = OscillatorNode.prototype.start;
@@ -217,7 +217,7 @@ describe('panel that nobody looks at', () => {
     const shown = new Set();
     window.Notification = class {
       constructor(title, { body, tag, renotify }) {
-        // As in a browser: one takes the place of another with the same tag without a word, unless told otherwise.
+        // As in a browser: a notification silently replaces one with the same tag, unless `renotify` is set.
         if (!tag || !shown.has(tag) || renotify) window.heard.notes.push(`${title}: ${body}`);
         shown.add(tag);
       }
@@ -246,7 +246,7 @@ describe('panel that nobody looks at', () => {
       await click(byId('away-close'));
       await page.reload();
       await live(page);
-      await page.mouse.click(2, 2); // a page is silent before that
+      await page.mouse.click(2, 2); // pages are silent before the first click
       await page.evaluate(() => { window.leave(); window.Notification.permission = 'granted'; });
 
       await noFiles();
@@ -258,19 +258,19 @@ describe('panel that nobody looks at', () => {
 
       const [tile, button] = await Promise.all([byId('camera-tile-1'), byId('reopen-1')].map((selector) => page.locator(selector).boundingBox()));
       assert.ok(button.x >= tile.x && button.x + button.width <= tile.x + tile.width, `in its tile: ${JSON.stringify({ tile, button })}`);
-      // Before the files are back: once they are, the service may be faster.
+      // Before the files exist again: otherwise the service may reopen it first.
       await click(byId('reopen-1'));
       await becomes(events, (entries) => entries.some(({ title }) => title === 'Asked to open camera 1 again'));
       copyFileSync(join(root, 'tests/golden/division_b.jpg'), picture);
       await service.statusBecomes(({ cameras }) => cameras[1].state === 'running');
       await page.waitForSelector(byId('reopen-1'), { state: 'detached' });
 
-      // The next one is told as well, and so is the same one once more.
+      // The next lost camera is announced too, as is the same one when it is lost again.
       await noFiles(1, join(service.folder, 'none.jpg'));
       await page.waitForFunction(() => window.heard.notes.length >= 2 && window.heard.tones === 2 * window.heard.notes.length);
       const before = await page.evaluate(() => window.heard.notes.length);
       await noFiles(0, join(service.folder, 'none.jpg'));
-      // Robots that go with the cameras may be told first, and both cameras together.
+      // Alerts about the lost robots may come first, and both cameras may be announced together.
       await page.waitForFunction((from) => window.heard.notes.slice(from).some((note) => /Cameras? 0\b.* lost$/.test(note)), before);
       assert.equal((await page.evaluate(() => window.heard.notes))[0], `${service.settings.site}: Camera 1 lost`);
     }, { viewport, options: { ...options, serviceWorkers: 'block' }, prepare: listen }));
@@ -282,9 +282,9 @@ describe('panel that nobody looks at', () => {
     await noFiles();
     await isLost();
     await page.waitForFunction(() => window.heard.notes.length === 1);
-    await page.clock.fastForward(1000); // it no longer waits for leave to sound
+    await page.clock.fastForward(1000); // it has stopped waiting for permission to play
     await page.mouse.click(2, 2);
-    // The next alert has its two tones, and there are none of the first.
+    // The next alert plays its two tones; none of the first alert are played.
     await noFiles(0);
     await page.waitForFunction(() => window.heard.notes.length === 2 && window.heard.tones >= 2);
     assert.deepEqual(await page.evaluate(() => window.heard), { tones: 2, notes: [1, 0].map((id) => `${service.settings.site}: Camera ${id} lost`) });
@@ -294,7 +294,7 @@ describe('panel that nobody looks at', () => {
       await page.clock.install();
       await listen(page);
       await page.addInitScript(() => {
-        // A browser without a window lets every page sound; others begin with the first click.
+        // A headless browser lets every page play sound; others only after the first click.
         let mayStart = () => {};
         const isAllowed = new Promise((resolve) => { mayStart = resolve; });
         let state = 'suspended';

@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The last seconds, clips and their player against the real service: kept by a button, played, stepped through, compared.
+// The image ring, clips and the player with the real service: kept by a button, played, stepped through, compared.
 // Environment: see service.mjs and browser.mjs.
 import assert from 'node:assert/strict';
-import { createSocket } from 'node:dgram';
-import { once } from 'node:events';
 import { beforeEach, describe, it } from 'node:test';
-import { setTimeout as pause } from 'node:timers/promises';
 import { accessibleInThemes, byId, createBrowser, DESKTOP, live, phone, PHONE, textBecomes, views } from './browser.mjs';
 import { layoutFaults } from './layout.mjs';
-import { gameController } from './league_messages.mjs';
-import { becomes, createService, freeUdpPort } from './service.mjs';
+import { becomes, createService } from './service.mjs';
 
 const service = await createService('239.255.77.106');
 const { address } = service;
-const { aroundTests, screenshots, withPage } = createBrowser(service);
+const { aroundTests, withPage } = createBrowser(service);
 service.settings.recording = { match_logs: 'by_hand', last_seconds: { memory_mb: 256 } };
 
 const ask = async (path, init) => (await fetch(address(`api/${path}`), init)).json();
@@ -21,10 +17,10 @@ const clips = () => ask('recordings/clips');
 const clipPath = (name) => `recordings/clips/${encodeURIComponent(name)}`;
 const row = (name) => `${byId('clip')}[data-name="${name}"]`;
 const clipLink = (name) => `#/recordings/clips/${encodeURIComponent(name)}`;
-/** So much of every camera is in memory. */
+/** Waits until each camera has so many seconds in memory. */
 const inMemory = (seconds) => becomes(clips, ({ last_seconds: last }) => last.cameras.length > 0 && last.cameras.every((one) => one.seconds >= seconds));
 
-/** A clip of the last seconds that is written and read: its name. */
+/** Makes a clip of the last seconds; returns its name once the service has indexed it. */
 async function makeClip(name, seconds = 3) {
   await inMemory(seconds);
   await becomes(clips, ({ clip }) => clip.state !== 'writing');
@@ -38,29 +34,6 @@ async function clear() {
   for (const { name } of (await clips()).clips) await ask(clipPath(name), { method: 'DELETE' });
 }
 
-/** A clip in which a team scores, as the game controller says. */
-async function clipOfAGoal() {
-  const group = '239.255.77.107', port = await freeUdpPort(), stage = { matchType: 1, stage: 1 };
-  await service.patch(
-    { op: 'replace', path: '/network/referee', value: { enabled: true, group, port, interface: 'lo' } },
-    { op: 'replace', path: '/recording/last_seconds/memory_mb', value: 800 }, // for seconds at the cameras' full rate
-  );
-  await inMemory(1);
-  const gc = createSocket('udp4').bind(0, '127.0.0.1');
-  await once(gc, 'listening');
-  gc.setMulticastInterface('127.0.0.1');
-  const HALT = 0, STOP = 1, FORCE_START = 3;
-  for (const [command, goals] of [[STOP, 0], [FORCE_START, 0], [FORCE_START, 1], [HALT, 1], [STOP, 1]]) {
-    const said = gameController({ ...stage, yellow: ['TIGERs Mannheim', undefined, goals], blue: ['ER-Force', undefined, 0], command });
-    for (let i = 0; i < 4; i++) {
-      gc.send(said, port, group);
-      await pause(250); // as a game controller repeats itself
-    }
-  }
-  gc.close();
-  return makeClip('goal', 4.5);
-}
-
 const picture = byId('played-picture');
 const placeOf = async (page) => Number(await page.getAttribute(`${picture}[data-place]`, 'data-place'));
 const placeBecomes = (page, place) => page.waitForSelector(`${picture}[data-place="${place}"]`);
@@ -70,7 +43,7 @@ const openClip = async (page, name) => {
   await page.waitForSelector(`${picture}[data-place]`);
   return ask(`${clipPath(name)}/frames`);
 };
-/** How many pixels of the image are not of its most frequent colour: what is shown is an image. */
+/** Number of distinct colours (4 bits per channel) among 2000 pixels of the image, to tell it from an empty canvas. */
 const colours = (page) => page.$eval(picture, (canvas) => {
   const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
   return new Set(Array.from({ length: 2000 }, (_, i) => { const at = 4 * Math.floor((i / 2000) * (data.length / 4)); return `${data[at] >> 4} ${data[at + 1] >> 4} ${data[at + 2] >> 4}`; })).size;
@@ -91,7 +64,7 @@ describe('the player', () => {
       await inMemory(3);
       await page.waitForSelector(byId('no-clips'));
       await textBecomes(page, 'last-seconds-now', /^The last ([2-9]|\d{2,})(\.\d+)? (to [\d.]+ )?s of 2 cameras are in memory$/);
-      // As much as there is, and no more than the settings say; both texts as they are at one moment.
+      // As much as is in memory, but not more than the settings allow; both texts are read at the same moment.
       const [now, keep] = await page.evaluate((names) => names.map((name) => document.querySelector(name).textContent), [byId('last-seconds-now'), byId('keep')]);
       const most = Number(/([\d.]+) s of/.exec(now)[1]), said = Number(/Keep the last (\d+) s/.exec(keep)[1]);
       assert.ok(said >= 2 && said <= Math.min(10, most + 0.5), `${said} of ${most} s`);
@@ -122,7 +95,7 @@ describe('the player', () => {
       const [camera] = frames.cameras;
       await placeBecomes(page, camera.places[0]);
       assert.ok(await colours(page) > 5);
-      // What is drawn is what the clip has of this very frame.
+      // The overlay shows the clip's data of this frame.
       const first = await ask(`${clipPath(name)}/frames/${camera.places[0]}`);
       assert.equal(await page.locator(byId('overlay-robot')).count(), first.robots.length);
       assert.equal(await page.locator(byId('overlay-ball')).count(), first.balls.length);
@@ -138,17 +111,16 @@ describe('the player', () => {
 
       await page.selectOption(`${byId('speed')} select`, '4');
       await press(page, byId('play'));
-      await page.waitForSelector(`${byId('play')}[data-playing="true"]`);
-      await page.waitForSelector(`${byId('play')}[data-playing="false"]`); // at the end it stops
       await placeBecomes(page, camera.places.at(-1));
+      await page.waitForSelector(`${byId('play')}[data-playing="false"]`); // stops at the end
       await layoutIsSound(page);
 
-      // Another camera, at the same moment.
+      // Switch to another camera at the same time.
       const other = frames.cameras[1];
       await press(page, `nav[aria-label="Cameras"] a[aria-label="Camera ${other.id}"]`);
       await becomes(() => placeOf(page), (place) => other.places.includes(place));
 
-      // By the pointer to the middle.
+      // Click on the middle of the timeline.
       const { x, y, width } = await page.locator(byId('timeline')).boundingBox();
       if (options.hasTouch) await page.touchscreen.tap(x + width / 2, y + 8);
       else await page.mouse.click(x + width / 2, y + 8);
@@ -168,7 +140,7 @@ describe('the player', () => {
       const frames = await ask(`${clipPath(clip.name)}/frames`);
       const camera = frames.cameras.find(({ id }) => id === 1);
       await placeBecomes(page, camera.places[0]);
-      // Esc and its button lead to where one came from.
+      // Escape and its button lead back to the previous page.
       await press(page, byId('back-to-live'));
       await page.waitForSelector(byId('camera-picture-1'));
     }));
@@ -179,7 +151,7 @@ describe('the player', () => {
       const count = frames.cameras[0].places.length;
       await press(page, byId('compare-recorded_settings'));
       await textBecomes(page, 'compare-result', new RegExp(`^Nothing differs in ${count} frames\\.$`));
-      // Now the mask leaves next to nothing: all are lost.
+      // The mask now leaves almost nothing, so all detections are lost.
       await service.patch({ op: 'replace', path: '/cameras/0/mask', value: { include: [{ points: [[0, 0], [2, 0], [2, 2]] }], exclude: [] } });
       await press(page, byId('compare-settings_now'));
       await textBecomes(page, 'compare-result', /^In \d+ of \d+ frames something differs: .*\d+ lost/);
@@ -188,7 +160,7 @@ describe('the player', () => {
       await press(page, `${byId('difference')}[data-place="${place}"] >> nth=0`);
       await placeBecomes(page, place);
       assert.equal(await page.locator(`${byId('difference-ring')}[data-kind="lost"]`).count(), result.differences.filter((one) => one.place === place && one.kind === 'lost').length);
-      // From there to the next, by a button; and back.
+      // From there to the next one with a button, and back.
       await page.selectOption(`${byId('jump-to')} select`, 'difference');
       await press(page, byId('event-after'));
       const after = result.differences.find(({ time_s }) => time_s > first + 0.001);
@@ -214,22 +186,24 @@ describe('the player', () => {
     await placeBecomes(page, places.at(-1));
     await page.keyboard.press('Home');
     await placeBecomes(page, places[0]);
+    await page.selectOption(`${byId('speed')} select`, '0.1'); // slow, so that it is still playing when checked
+    await page.locator(`${byId('speed')} select`).blur();
     await page.keyboard.press(' ');
     await page.waitForSelector(`${byId('play')}[data-playing="true"]`);
     await page.keyboard.press(' ');
     await page.waitForSelector(`${byId('play')}[data-playing="false"]`);
-    // The same on the timeline, which has a value for those who listen.
+    // The same on the timeline, which has a value for screen readers.
     await page.focus(byId('timeline'));
     await page.keyboard.press('End');
     await placeBecomes(page, places.at(-1));
-    // Which robots this camera lost is found by the page itself, and led to.
+    // The page determines itself which robots this camera lost, and can jump there.
     const all = await Promise.all(places.map((place) => ask(`${clipPath(name)}/frames/${place}`)));
     const keys = ({ robots }) => robots.map((robot) => `${robot.team} ${robot.id}`);
     const lost = all.flatMap((frame, i) => (i > 0 && keys(all[i - 1]).some((key) => !keys(frame).includes(key)) ? [i] : []));
     if (lost.length) {
       await page.waitForSelector(`${byId('jump-to')} option[value="lost"]`, { state: 'attached' });
       await page.selectOption(`${byId('jump-to')} select`, 'lost');
-      // Once all frames are known, the last one that was lost is what is before the end.
+      // Once all frames are known, the last loss is the event before the end.
       await page.focus(byId('timeline'));
       await becomes(async () => {
         await page.keyboard.press('End');
@@ -242,7 +216,7 @@ describe('the player', () => {
     assert.match(await page.getAttribute(byId('timeline'), 'aria-valuetext'), /^00:\d\d\.\d\d of 00:\d\d\.\d\d/);
     await page.keyboard.press('Escape');
     await page.waitForSelector(byId(`camera-picture-${id}`));
-    // And back again in time.
+    // Back to the recorded past.
     await page.waitForSelector(`${byId('go-back')}:enabled`);
     await page.keyboard.press('b');
     await page.waitForSelector(`${byId('clip-player')} ${picture}[data-place]`);
@@ -266,9 +240,9 @@ describe('the player', () => {
     await placeBecomes(page, places[0]);
     await page.selectOption(`${byId('speed')} select`, '1');
 
-    // Nothing comes while a second passes.
+    // All answers are held back for one second.
     const asked = new Set();
-    const onTheWay = new Set(); // without those that the page has given up
+    const onTheWay = new Set(); // without those that the page has cancelled
     let most = 0;
     page.on('request', (request) => {
       const [, place] = /\/frames\/(\d+)(?:\/picture)?/.exec(request.url()) ?? [];
@@ -281,9 +255,9 @@ describe('the player', () => {
     const held = new Promise((resolve) => { goOn = resolve; });
     await page.route(/\/frames\/\d+/, async (route) => {
       await held;
-      await route.continue().catch(() => {}); // the page no longer waits for it
+      await route.continue().catch(() => {}); // the page has cancelled it
     });
-    await page.clock.pauseAt(await page.evaluate(() => Date.now() + 600_000)); // not so soon that it has passed by then
+    await page.clock.pauseAt(await page.evaluate(() => Date.now() + 600_000)); // far enough ahead that it is not yet past
     await page.click(byId('play'));
     await page.waitForSelector(`${byId('play')}[data-playing="true"]`);
     await page.clock.runFor(1000);
@@ -311,8 +285,8 @@ describe('the player', () => {
     assert.match(compared.clip, /try_colours/);
     assert.equal(compared.with, 'learnt_colors');
     assert.equal(compared.camera, 0);
-    await page.waitForSelector(`${byId('compare')} >> text=Nothing has changed yet`);
-    // They still wait, and a reload of the player compares nothing again.
+    await page.waitForSelector(`${byId('compare')} >> text=The learnt colours are not in use yet`);
+    // The learnt colours are still pending, and a reload of the player does not repeat the comparison.
     assert.doesNotMatch(page.url(), /learnt/);
     await page.click(`${byId('compare')} a:has-text("Accept or reject them")`);
     await page.waitForSelector(`${byId('learning')}[data-learnt="true"]`);
@@ -321,7 +295,7 @@ describe('the player', () => {
   }));
 
   it('says in one line that its clip is gone', withPage(DESKTOP, '#/recordings', {}, async (page, panel) => {
-    panel.errorsExpected = true; // the browser writes each 404 down
+    panel.errorsExpected = true; // the browser logs each 404
     const name = await makeClip('gone');
     await openClip(page, name);
     await page.route(/\/frames\/\d+/, (route) => route.fulfill({ status: 404, json: { error: 'there is no such recording' } }));
@@ -347,24 +321,11 @@ describe('the player', () => {
       for (let i = 0; i < 12; i++) await page.keyboard.press('ArrowRight');
       await becomes(() => timeOf(page), (time) => Math.abs(time - 0.48) < 0.001);
       await becomes(async () => Number(await page.getAttribute(byId('played-field'), 'data-robots')), (robots) => robots > 0);
-      await textBecomes(page, 'log-referee', /No game controller was heard at this moment/);
+      await textBecomes(page, 'log-referee', /No game controller message at this moment/);
       assert.deepEqual(await layoutFaults(page), []);
       await accessibleInThemes(page, 'a log that is played');
     } finally {
       await ask(`recordings/logs/${encodeURIComponent(log.name)}`, { method: 'DELETE' });
     }
   }));
-
-  screenshots([{
-    file: 'player-dark.jpg', theme: 'dark', path: '#/recordings', viewport: DESKTOP, options: {},
-    ready: async (page) => {
-      const name = await clipOfAGoal();
-      const { cameras: [first] } = await openClip(page, name);
-      await becomes(() => page.locator(byId('timeline')).count(), (count) => count === 1);
-      const place = first.places[Math.floor(first.places.length / 2)];
-      await page.keyboard.press('Home');
-      for (let i = 0; i < Math.floor(first.places.length / 2); i++) await page.keyboard.press('ArrowRight');
-      await placeBecomes(page, place);
-    },
-  }]);
 });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page "Recordings" against the real service: a log by hand, one of a match, and what is done with them.
+// The page Recordings with the real service: a log started by hand, one of a match, and the actions on them.
 // Environment: see service.mjs and browser.mjs.
 import assert from 'node:assert/strict';
 import { createSocket } from 'node:dgram';
@@ -24,11 +24,11 @@ const port = await freeUdpPort();
 service.settings.network.referee = { enabled: true, group: GROUP, port, interface: 'lo' };
 service.settings.recording.match_logs = 'by_hand';
 let referee, timer;
-/** Until something else is said. Without a command the game controller is silent. */
+/** Repeats a referee message until the next call. Without a command the game controller is silent. */
 function refereeSays(command, yellowGoals = 0, yellow = 'RoboTeam Twente') {
   clearInterval(timer);
   if (command === undefined) return;
-  const score = [0x3a, 2, 0x10, yellowGoals]; // joins what is said of the yellow team
+  const score = [0x3a, 2, 0x10, yellowGoals]; // protobuf merges this into the yellow team's message
   const said = Buffer.concat([gameController({ yellow: [yellow], blue: ['TIGERs Mannheim'], stage: FIRST_HALF, command }), Buffer.from(score)]);
   timer = setInterval(() => referee.send(said, port, GROUP), 100);
 }
@@ -42,14 +42,14 @@ const stateBecomes = (page, state) => page.waitForSelector(`${byId('match-log')}
 const row = (name) => `${byId('log')}[data-name="${name}"]`;
 const focused = (page) => page.evaluate(() => document.activeElement?.dataset.testid ?? '');
 
-/** Nothing is recorded, and no log is kept. */
+/** Stops recording and deletes all logs. */
 async function clear() {
   refereeSays();
   const { match_log: now } = await recordings();
   if (now.state === 'recording' || now.state === 'paused') await record({ record: false });
   for (const { name } of (await recordings()).logs) await ask(logPath(name), { method: 'DELETE' });
 }
-/** A log that was made by hand and is read: its name. */
+/** Records a log by hand; returns its name once the service has indexed it. */
 async function makeLog(name) {
   await record({ record: true, name });
   await recordingsBecome(({ match_log: now }) => now.messages.vision > 5 && now.seconds > 1);
@@ -92,7 +92,7 @@ describe('recordings', () => {
       await textBecomes(page, 'messages-vision', /^[1-9]/);
       const { match_log: now } = await recordings();
       assert.equal(now.started_by, 'hand');
-      // The log that is written is in the list, but cannot be deleted or downloaded yet.
+      // The log being written is listed, but cannot be deleted or downloaded yet.
       await page.waitForSelector(`${row(now.name)} >> text=being written`);
       assert.equal(await page.locator(`${row(now.name)} ${byId('delete')}`).count(), 0);
       assert.deepEqual(await layoutFaults(page, { isTouch: options.isMobile ?? false }), []);
@@ -119,7 +119,7 @@ describe('recordings', () => {
       await page.waitForSelector(`${pin}[aria-pressed="false"]`);
       assert.equal((await recordings()).logs[0].pinned, false);
       await press(page, `${row(name)} ${byId('delete')}`);
-      // Anybody who presses Enter too fast keeps it.
+      // Pressing Enter by accident keeps it.
       await page.waitForSelector(`${row(name)} >> text=Delete this log?`);
       await becomes(() => focused(page), (id) => id === 'delete-not');
       assert.deepEqual(await layoutFaults(page, { isTouch: options.isMobile ?? false }), []);
@@ -157,7 +157,7 @@ describe('recordings', () => {
       await textBecomes(page, 'match-log-now', /^This match is not recorded: 127\.0\.0\.1 stopped its log$/);
       assert.deepEqual(await layoutFaults(page, { isTouch: options.isMobile ?? false }), []);
       await becomes(recordings, ({ logs }) => logs.find((one) => one.name === name)?.goals === 1);
-      // Another match: the next view's is recorded again, and the settings are not locked.
+      // A new match: that of the next view is recorded again, and the settings are not locked.
       refereeSays(HALT, 0, 'RoboIME');
       await service.statusBecomes(({ referee: heard }) => !heard.game_is_running);
       await stateBecomes(page, 'waiting');
@@ -174,7 +174,7 @@ describe('recordings', () => {
       assert.deepEqual(await texts(), wanted.filter(({ kind }) => kind === 'goal').map((event) => event.text));
       await press(page, byId('show-all'));
 
-      // By keys from event to event; the list goes along.
+      // By keyboard from event to event; the list follows.
       await page.focus(byId('timeline'));
       await page.keyboard.press('End');
       await textBecomes(page, 'timeline-tip', new RegExp(`${wanted.at(-1).text.replace(/[.*+?^${}()|[\]\\]/g, '\\$&')}$`));
@@ -185,7 +185,7 @@ describe('recordings', () => {
       assert.equal(await page.getAttribute(byId('timeline'), 'aria-valuenow'), String(Math.round(wanted[0].time_s)));
       await page.keyboard.press('Escape');
       await textBecomes(page, 'timeline-tip', /^Point at the timeline/);
-      // By a press where the goal is.
+      // By a click at the goal's position.
       const { x, width, y } = await page.locator(byId('timeline')).boundingBox();
       const goal = wanted.find(({ kind }) => kind === 'goal');
       const length = Number(await page.getAttribute(byId('timeline'), 'aria-valuemax'));
@@ -202,15 +202,15 @@ describe('recordings', () => {
   }));
 
   it('say that the service is silent, and what it refuses', withPage(DESKTOP, PATH, {}, async (page, panel) => {
-    panel.errorsExpected = true; // the browser writes down what fails
+    panel.errorsExpected = true; // the browser logs failed requests
     await stateBecomes(page, 'off');
     await page.route('**/api/recordings', (route) => route.abort());
-    await page.waitForSelector(`${byId('recordings-trouble')}:has-text("This is not current: No answer from the service")`);
+    await page.waitForSelector(`${byId('recordings-trouble')}:has-text("Not updating: No answer from the service")`);
     await textBecomes(page, 'match-log-now', /^Unknown/);
     assert.ok(await page.isDisabled(byId('record')));
     await page.unroute('**/api/recordings');
     await page.waitForSelector(byId('recordings-trouble'), { state: 'detached' });
-    // Another admin is faster, and this page has not heard of it.
+    // Another admin was faster, and this page does not know it yet.
     const stale = await recordings();
     await page.route('**/api/recordings', (route) => route.fulfill({ json: stale }));
     await record({ record: true });
@@ -224,7 +224,7 @@ describe('recordings', () => {
   }));
 
   it('are changed by the admin only', withPage({ width: 360, height: 780 }, PATH, phone, async (page, panel) => {
-    panel.errorsExpected = true; // the browser writes each 401 down
+    panel.errorsExpected = true; // the browser logs each 401
     await stateBecomes(page, 'off');
     const answer = await fetch(address('api/passwords/admin'), { method: 'PUT', body: JSON.stringify({ password: ADMIN, admin_password: '' }) });
     const cookie = answer.headers.get('set-cookie').split(';')[0];
@@ -240,7 +240,7 @@ describe('recordings', () => {
       await stateBecomes(page, 'recording');
     } finally {
       await fetch(address('api/recordings/match-log'), { method: 'POST', body: JSON.stringify({ record: false }), headers: { Cookie: cookie } });
-      // The next test may change things without a password.
+      // So that the next test can make changes without a password.
       await service.stop();
       await service.forget();
     }

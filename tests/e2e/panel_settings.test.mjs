@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The panel's page of settings: what an admin changes there, seen at the service and in its pictures.
+// The panel's settings page: an admin's changes, verified at the service and in its images.
 // Environment: see service.mjs and browser.mjs.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { beforeEach, describe, it } from 'node:test';
-import { accessible, accessibleInThemes, byId, createBrowser, DESKTOP, itLong, PHONE, phone, saved, textBecomes, views } from './browser.mjs';
+import { accessibleInThemes, byId, createBrowser, DESKTOP, itLong, PHONE, phone, saved, textBecomes, views } from './browser.mjs';
 import { becomes, createService } from './service.mjs';
 
 const service = await createService('239.255.77.79');
-const { settings, address, patch, statusBecomes } = service;
-const { aroundTests, withPage, screenshots } = createBrowser(service);
+const { address, patch, statusBecomes } = service;
+const { aroundTests, withPage } = createBrowser(service);
 
 const ask = async (path, method = 'GET', body = undefined) => {
   const answer = await fetch(address(`api/${path}`), { method, body: body === undefined ? undefined : JSON.stringify(body) });
@@ -21,7 +21,7 @@ const row = (pointer) => byId(`setting-${pointer}`);
 
 const treeBecomes = (wanted) => becomes(tree, wanted);
 
-/** The mean brightness of the camera's picture, 0 to 255. */
+/** Mean brightness of the camera's image, 0 to 255. */
 const brightness = (page, camera) => page.evaluate(async (url) => {
   const bitmap = await createImageBitmap(await (await fetch(url)).blob());
   const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
@@ -50,7 +50,7 @@ describe('settings page', () => {
 
   for (const { name, viewport, options, it } of views) {
     it(`moves a slider and the picture follows, on a ${name}`, withPage(viewport, '#/settings', options, async (page) => {
-      // By the tree, as one would.
+      // Navigate through the tree, as a user would.
       await page.click(`${byId('place-/cameras/0')}`);
       await page.click(name === 'phone' ? byId('open-/cameras/0/source') : byId('place-/cameras/0/source'));
       const before = await brightness(page, 0);
@@ -58,12 +58,12 @@ describe('settings page', () => {
       const slider = page.locator(`${row('/cameras/0/source/light')} input[type="range"]`);
       await slider.scrollIntoViewIfNeeded();
       await slider.focus();
-      await page.keyboard.press('Home'); // the darkest
+      await page.keyboard.press('Home'); // darkest
       await saved(page);
       await treeBecomes(({ cameras }) => cameras[0].source.light < 0.1);
       await brightnessBecomes(page, 0, (now) => now < before / 3);
       assert.ok((await brightness(page, 1)) > before / 2, 'the other camera stays');
-      // Nothing of it is seen in the dark.
+      // In the dark nothing is detected.
       await statusBecomes(({ cameras }) => cameras[0].robots === 0 && cameras[1].robots > 0);
 
       await page.click(`${row('/cameras/0/source/light')} button.reset`);
@@ -87,7 +87,7 @@ describe('settings page', () => {
   }
 
   it('shows what the service refuses in its words', withPage(DESKTOP, '#/settings/network', {}, async (page, panel) => {
-    panel.errorsExpected = true; // the browser calls a refusal one
+    panel.errorsExpected = true; // the browser logs the refusal
     await typeInto(page, '/network/vision/group', 'nowhere');
     const error = await page.waitForSelector(`${row('/network/vision/group')} [role="alert"]`);
     assert.match(await error.textContent(), /\/network\/vision\/group.*nowhere.*still uses 239\.255\.77\.79/s);
@@ -103,7 +103,7 @@ describe('settings page', () => {
       await field.focus();
       await field.fill(String(mine));
       await patch({ op: 'replace', path: pointer, value: theirs });
-      // The page knows about it before we press Enter.
+      // The page has received that change before Enter is pressed.
       await page.waitForFunction((one) => document.querySelector('[aria-label="History"]')?.textContent.includes(one), `${theirs}`);
       await field.press('Enter');
       const conflict = await page.waitForSelector(`${row(pointer)} .conflict`);
@@ -146,7 +146,7 @@ describe('settings page', () => {
     await treeBecomes(({ cameras }) => cameras[0].source.light === 1);
     await page.waitForSelector(`${byId('notice')}:has-text("undone: camera 0 / source / light")`);
 
-    // Who gives up what was typed has changed nothing.
+    // Discarding typed text changes nothing.
     const now = await steps();
     const field = page.locator(`${row(pointer)} input[type="text"]`);
     await field.fill('2.5');
@@ -158,7 +158,7 @@ describe('settings page', () => {
   }));
 
   it('stays with a camera whose place in the list another admin changes', withPage(DESKTOP, '#/settings/cameras/1/stages/detect_balls', {}, async (page, panel) => {
-    panel.errorsExpected = true; // the browser calls a refusal one
+    panel.errorsExpected = true; // the browser logs the refusal
     await page.waitForSelector(row('/cameras/1/stages/detect_balls/max_balls'));
     const [gone] = (await tree()).cameras;
     await patch({ op: 'remove', path: '/cameras/0' });
@@ -166,7 +166,7 @@ describe('settings page', () => {
     assert.match(page.url(), /#\/settings\/cameras\/0\/stages\/detect_balls$/);
     await page.waitForSelector('.crumbs:has-text("Camera 1")');
     await page.waitForSelector(`${byId('notice')}:has-text("A camera was added or removed")`);
-    // A change that was made before the page knows of it is not for the camera that stands there now.
+    // A change made before the page learns of the insertion must not be applied to the camera now in that place.
     let isBack = false;
     await page.route('**/api/settings', async (route) => {
       if (route.request().method() !== 'PATCH' || isBack) return route.continue();
@@ -178,7 +178,7 @@ describe('settings page', () => {
     await page.waitForSelector(row('/cameras/1/stages/detect_balls/max_balls'));
     assert.deepEqual((await tree()).cameras.map(({ stages }) => stages.detect_balls.max_balls), first.cameras.map(({ stages }) => stages.detect_balls.max_balls));
 
-    // What was changed of a camera is not undone at another one.
+    // A change to one camera must not be undone on another.
     await patch({ op: 'replace', path: '/cameras/1/stages/detect_balls/max_balls', value: 21 });
     const [{ revision }] = await ask('settings/history');
     await patch({ op: 'replace', path: '/cameras/0/stages/detect_balls/max_balls', value: 21 });
@@ -194,7 +194,7 @@ describe('settings page', () => {
     const applied = () => page.waitForSelector(byId('stack-check'), { state: 'detached' });
     await textBecomes(page, 'stage-segment', /\d\sµs|\d\sms/);
 
-    panel.errorsExpected = true; // the browser calls a refusal one
+    panel.errorsExpected = true; // the browser logs the refusal
     await page.click(`${byId('stage-segment')} button[aria-label="Remove segment"]`);
     const error = await page.waitForSelector(`${byId('stage-detect_robots')} ${byId('stage-error')}`);
     assert.match(await error.textContent(), /stage 'detect_robots' needs 'regions', which no earlier stage provides/);
@@ -204,7 +204,7 @@ describe('settings page', () => {
     await page.waitForSelector(byId('stage-error'), { state: 'detached' });
     await orderBecomes(first.cameras[0].stack);
 
-    // Off and on again, and moved by the keyboard.
+    // Switched off and on, and moved by keyboard.
     await page.click(`${byId('stage-publish')} [role="switch"]`);
     await page.waitForSelector(`${byId('stack-check')}[data-state="fine"]`);
     assert.equal((await stack()).length, 4);
@@ -226,7 +226,7 @@ describe('settings page', () => {
     await applied();
     assert.deepEqual(await stack(), first.cameras[0].stack);
 
-    // Dragged with the mouse, and other stages instead.
+    // Dragged with the mouse, and stages replaced.
     const from = await page.locator(`${byId('stage-publish')} .grip`).boundingBox();
     const to = await page.locator(`${byId('stage-detect_balls')} .grip`).boundingBox();
     await page.mouse.move(from.x + from.width / 2, from.y + from.height / 2);
@@ -287,7 +287,7 @@ describe('settings page', () => {
     await treeBecomes(({ cameras }) => cameras[1].stages.detect_robots.max_rms_mm === 0.5);
     await page.waitForSelector(`${byId('undo-last')}:not([disabled])`);
     await page.focus(byId('settings-search'));
-    await page.keyboard.press('Control+z'); // a text field has an undo of its own
+    await page.keyboard.press('Control+z'); // a text field has its own undo
     await page.focus(slider);
     assert.equal(await value(), 0.5);
     await page.keyboard.press('Control+z');
@@ -301,7 +301,7 @@ describe('settings page', () => {
     await page.keyboard.type('camera 1 min_confidence');
     await page.waitForFunction((selector) => document.querySelector(selector)?.textContent.startsWith('3 '), byId('results'));
     for (const part of ['stages/detect_robots', 'stages/detect_balls', 'follow_light']) await page.waitForSelector(row(`/cameras/1/${part}/min_confidence`));
-    await typeInto(page, '/cameras/1/stages/detect_balls/min_confidence', '0.45'); // a result is the setting itself
+    await typeInto(page, '/cameras/1/stages/detect_balls/min_confidence', '0.45'); // settings can be edited in the search results
     await treeBecomes(({ cameras }) => cameras[1].stages.detect_balls.min_confidence === 0.45);
     await saved(page);
     await page.fill(byId('settings-search'), 'no such thing');
@@ -323,13 +323,13 @@ describe('settings page', () => {
     await treeBecomes(({ cameras }) => cameras.length === 3 && cameras[2].id === 2 && cameras[2].source.backend === 'simulator');
     await page.click('button[aria-label="Remove camera 2"]');
     await treeBecomes(({ cameras }) => cameras.length === 2);
-    await page.waitForSelector(`${byId('notice')}:has-text("Camera 2 removed")`); // not the one of adding it
+    await page.waitForSelector(`${byId('notice')}:has-text("Camera 2 removed")`); // not the notice about adding it
     await page.click(byId('notice-undo'));
     await treeBecomes(({ cameras }) => cameras.length === 3);
     await page.waitForSelector(`${byId('camera-entry')}:has-text("Camera 2")`);
 
     await page.goto(address('#/settings/cameras/0/colors/classes'));
-    // Each click waits for what the one before made of the list.
+    // Each click waits for the list that results from the previous one.
     const listIs = async (labels) => {
       await treeBecomes(({ cameras }) => cameras[0].colors.classes.map(({ label }) => label).join() === labels);
       await page.waitForFunction(([selector, wanted]) => [...document.querySelectorAll(selector)].map((title) => title.textContent).join() === wanted, [`${byId('entry')} .title b`, labels]);
@@ -360,7 +360,7 @@ describe('settings page', () => {
   }));
 
   it('saves, shows, applies and deletes profiles', withPage(DESKTOP, '#/settings/~profiles', {}, async (page, panel) => {
-    panel.errorsExpected = true; // the browser calls a refusal one
+    panel.errorsExpected = true; // the browser logs the refusal
     await page.fill(byId('profile-name'), 'Evening');
     await page.click(byId('profile-save'));
     await page.waitForSelector(byId('profile-Evening'));
@@ -373,7 +373,7 @@ describe('settings page', () => {
     assert.equal(now.cameras[1].calibration.tx, 77, 'calibrations stay unless ticked');
     await page.waitForSelector(byId('changes'), { state: 'detached' });
 
-    // What was reviewed is applied, or nothing: also when the page has heard of what was changed since.
+    // Exactly what was reviewed is applied, or nothing, even if the page already knows of later changes.
     await patch({ op: 'replace', path: '/site', value: 'Hall 4' });
     await page.click(`${byId('profile-Evening')} button:has-text("Review and apply")`);
     await page.waitForSelector(byId('section-/site'));
@@ -428,7 +428,7 @@ describe('settings page', () => {
       assert.deepEqual(await treeBecomes(({ site }) => site === 'Demo field'), first);
       await page.waitForSelector(byId('changes'), { state: 'detached' });
 
-      panel.errorsExpected = true; // the browser calls a refusal one
+      panel.errorsExpected = true; // the browser logs the refusal
       for (const [broken, what] of [['{"site":', /all\.json is not valid JSON/], ['[]', /expected an object/], [JSON.stringify({ ...first, sight: 1 }), /all\.json: .*\/sight: no such parameter/]]) {
         await give(broken);
         await page.waitForFunction(([selector, pattern]) => new RegExp(pattern).test(document.querySelector(selector)?.textContent ?? ''), [byId('import-error'), what.source]);
@@ -471,7 +471,7 @@ describe('settings page', () => {
       await page.click(`${byId('notice')} button:has-text("Undo")`);
       assert.deepEqual(await treeBecomes(({ site }) => site === 'Elsewhere'), before);
 
-      panel.errorsExpected = true; // the browser calls a refusal one
+      panel.errorsExpected = true; // the browser logs the refusal
       const damaged = Buffer.from(buffer);
       damaged[buffer.length >> 1] ^= 0x10;
       for (const [bytes, what] of [[Buffer.from('{}'), /^hall\.sslvision: this is not a complete backup: /], [damaged, /^hall\.sslvision: /], [buffer.subarray(0, buffer.length - 9), /^hall\.sslvision: /]]) {
@@ -521,13 +521,4 @@ describe('settings page', () => {
       }
     }));
   }
-
-  const withSteps = async (page) => {
-    await patch({ op: 'replace', path: '/cameras/0/stages/detect_balls/min_confidence', value: 0.45 });
-    await patch({ op: 'replace', path: '/cameras/0/stages/detect_balls/max_balls', value: 12 });
-    await page.waitForSelector(`${row('/cameras/0/stages/detect_balls/max_balls')}[data-changed]`);
-  };
-  screenshots(['dark', 'light'].map((theme) => (
-    { file: `settings-${theme}.jpg`, theme, path: '#/settings/cameras/0/stages/detect_balls', viewport: DESKTOP, options: {}, ready: withSteps }
-  )));
 });

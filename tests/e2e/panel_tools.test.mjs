@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an admin has beside the pages themselves: packets as teams get them, a kiosk, full-screen images, shortcuts, a
-// report to print, graphs that are full at once. Environment: see service.mjs and browser.mjs.
+// Further tools for admins: packets as teams receive them, a kiosk, full-screen images, shortcuts, a printed report,
+// graphs that are filled from the start. Environment: see service.mjs and browser.mjs.
 import assert from 'node:assert/strict';
 import { execFile } from 'node:child_process';
 import { createSocket } from 'node:dgram';
@@ -21,7 +21,7 @@ const { settings, address, patch } = service;
 const { aroundTests, withPage } = createBrowser(service);
 const get = async (path) => (await fetch(address(path))).json();
 
-/** A team's computer: it hears the group and remembers. */
+/** A team's computer: receives the group and stores its packets. */
 function createTeam() {
   const packets = new Map();
   let geometry = null;
@@ -65,7 +65,7 @@ describe('tools', () => {
       assert.deepEqual([heard.group, heard.port, heard.not_heard_because], [GROUP, settings.network.vision.port, '']);
       for (const { camera, bytes, age_s, packet } of heard.detections) {
         const received = await becomes(() => team.packet(camera, packet.detection.frame_number), Boolean, () => `packet ${packet.detection.frame_number} of camera ${camera}`);
-        // JSON has the shortest digits that are the same float.
+        // JSON has the shortest digits that give the same float.
         const asFloats = (value) => JSON.parse(JSON.stringify(value), (_, one) => (typeof one === 'number' ? Math.fround(one) : one));
         assert.deepEqual(asFloats(packet.detection), asFloats(received.detection));
         assert.deepEqual([packet.detection.t_capture, packet.detection.t_sent], [received.detection.t_capture, received.detection.t_sent]);
@@ -122,7 +122,7 @@ describe('tools', () => {
     }
 
     it('tell who listens here, and that others cannot be seen', withPage(DESKTOP, '#/field/packets', {}, async (page) => {
-      // The team of this test is another program on the service's computer.
+      // The team in this test is another program on the service's computer.
       await textBecomes(page, 'local-programs', new RegExp(`socket.* of user ${userInfo().username} at port ${settings.network.vision.port}`));
       await page.waitForSelector(`${byId('listeners')} >> text=Which teams listen cannot be seen from here.`);
       const { programs, memberships } = await get('api/network/listeners');
@@ -181,7 +181,7 @@ describe('tools', () => {
       it(`shows cameras, field and verdict, and changes nothing (${name})`, withPage(viewport, '#/kiosk', options, async (page) => {
         for (const { id } of settings.cameras) await picturesGoOn(page, id);
         await page.waitForSelector(byId('field-robot'));
-        // The demo has no real camera: nobody across the hall may take its GO for the field's.
+        // The demo has no real camera: its GO must not be mistaken for the field's.
         await textBecomes(page, 'verdict', /^GO · simulated$/);
         assert.deepEqual(await page.$$eval('input, select, textarea', (all) => all.length), 0);
         assert.deepEqual(await page.$$eval('nav', (all) => all.length), 0);
@@ -205,7 +205,7 @@ describe('tools', () => {
         await dialog.waitFor({ state: 'hidden' });
       }
       await page.evaluate(() => document.exitFullscreen());
-      // Escape closes what is open first.
+      // Escape first closes an open dialog.
       await page.keyboard.press('?');
       await dialog.waitFor();
       await page.keyboard.press('Escape');
@@ -232,7 +232,7 @@ describe('tools', () => {
     });
 
     it('comes back with the service, and loads itself again after an upgrade', withPage(DESKTOP, '#/kiosk', {}, async (page, panel) => {
-      panel.errorsExpected = true; // of the connection
+      panel.errorsExpected = true; // the connection is lost
       await picturesGoOn(page, 0);
       await page.evaluate(() => { window.before = true; });
       await service.stop();
@@ -270,13 +270,13 @@ describe('tools', () => {
       assert.deepEqual(keysOf['Hide or show all layers'], ['H']);
       assert.deepEqual(keysOf['Show or hide: Detections'], ['1']);
       assert.deepEqual(keysOf['Show this list of shortcuts'], ['?']);
-      // Every button that names its key is in the list with that key.
+      // Every button with a shortcut is listed with that key.
       const named = await page.$$eval('main [aria-keyshortcuts], nav [aria-keyshortcuts]', (all) => all.map((one) => one.getAttribute('aria-keyshortcuts')));
       const all = Object.values(keysOf).flat();
       for (const key of named) assert.ok(all.includes(key.replace('Control', 'Ctrl').replaceAll('+', ' ')), `${key} is not listed`);
       await accessible(page, 'shortcuts');
 
-      // What the dialog hides does not hear keys.
+      // Elements behind the dialog do not react to keys.
       await page.keyboard.press('h');
       await page.keyboard.press('Escape');
       await dialog.waitFor({ state: 'hidden' });
@@ -351,7 +351,7 @@ describe('tools', () => {
       assert.equal(await page.locator(`${byId('report-history')} tbody tr`).count(), history.length);
       await accessibleInThemes(page, 'calibration report');
 
-      // The button prints what the page shows.
+      // The button prints the page.
       await page.evaluate(() => { window.print = () => { window.printed = true; }; });
       await page.click(byId('print'));
       assert.equal(await page.evaluate(() => window.printed), true);
@@ -379,14 +379,14 @@ describe('tools', () => {
   });
 
   describe('graphs', () => {
-    /** How long before now the oldest point of a graph of the last minute lies, in s. */
+    /** Age in s of the oldest point of a graph of the last minute. */
     const oldest = (page, selector) => page.waitForFunction((path) => {
       const line = document.querySelector(path);
       const x = Number(/^M([\d.]+)/.exec(line?.getAttribute('d') ?? '')?.[1] ?? NaN);
       const axis = line?.ownerSVGElement?.querySelector('path')?.getAttribute('d') ?? '';
       const width = Number(/H([\d.]+)/.exec(axis)?.[1]);
       const age_s = 60 * (1 - x / width);
-      // Older than the page itself: the page cannot have heard it.
+      // Older than the page itself, so it cannot come from the live connection.
       return age_s > performance.now() / 1000 + 2 ? age_s : null;
     }, selector);
 
@@ -401,7 +401,7 @@ describe('tools', () => {
     }
 
     itLong('have no hole after a lost connection', withPage(DESKTOP, '#/camera/0', {}, async (page, panel) => {
-      panel.errorsExpected = true; // of the connection that is refused
+      panel.errorsExpected = true; // the connection is refused
       const open = new Set();
       let isBlocked = false;
       await page.routeWebSocket(/api\/ws/, (socket) => {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every page of the panel at every size of screen, with none to eight cameras, and in a match: nothing cut, nothing
-// overlapping, targets for fingers, images that can be used, axe clean. layout.mjs says what is looked for, and what is
-// meant to be as it is.
-//   SSLV_WALK=all          every size, number of cameras and theme; else a part of them, which takes a minute
+// Every page of the panel at every screen size, with zero to eight cameras, and during a match: nothing clipped or
+// overlapping, touch targets large enough, images large enough, no axe violations. layout.mjs has the checks and the
+// intended exceptions.
+//   SSLV_WALK=all          every size, number of cameras and theme; default: a part of them, which takes a minute
 //   SSLV_WALK_PAGES=a,b    only addresses that begin with one of these
 //   SSLV_WALK_SIZES=WxH,…  only these sizes
-//   SSLV_WALK_SHOTS=DIR    also keeps an image of all that is looked at
+//   SSLV_WALK_SHOTS=DIR    also saves a screenshot of everything checked
 // Further environment: see service.mjs and browser.mjs.
 import assert from 'node:assert/strict';
 import { mkdirSync } from 'node:fs';
@@ -21,21 +21,21 @@ const [onlyPages, onlySizes] = [list('SSLV_WALK_PAGES'), list('SSLV_WALK_SIZES')
 const shots = process.env.SSLV_WALK_SHOTS;
 
 const counts = list('SSLV_WALK_CAMERAS')?.map(Number) ?? (isAll ? cameraCounts : [1, 4]);
-/** What only changes a little on each page: the pages themselves, without what their switches show. */
+/** States that change pages only slightly: only the pages themselves are checked, without what their switches show. */
 const others = list('SSLV_WALK_CAMERAS') ? [] : [{ count: 0 }, { count: 1, isMatch: true }];
 const states = [...counts.map((count) => ({ count, isWhole: true })), ...others];
 const usual = ['1366x650', '800x360', '360x780'];
 const wanted = sizes.filter((size) => (onlySizes ?? (isAll ? sizes.map(nameOfSize) : usual)).includes(nameOfSize(size)));
 
 /**
- * Whether a state is looked at on a size. What the others change of a page is found where there is least room, and with
- * one camera there is more room than with four.
+ * Whether a state is checked at a size. The slight changes of the other states are checked on the smallest screen only,
+ * and one camera needs less space than four.
  */
 const isWalked = ({ count, isWhole }, m) => isAll || onlySizes !== null || m === wanted.length - 1 || (isWhole && (count > 1 || counts.length === 1));
-/** Where a place within a page is looked at, by turns. */
+/** The combinations at which places within a page are checked in turn. */
 const turns = states.flatMap((state, n) => wanted.map((_, m) => `${n} ${m}`).filter((_, m) => state.isWhole && isWalked(state, m)));
 
-/** The same fault of many places is told once, with the places. */
+/** Lists each fault once, with the places where it occurs. */
 function summary(faults) {
   const places = new Map();
   for (const { kind, at, what, where } of faults) {
@@ -61,10 +61,40 @@ for (const [n, { count, isMatch, isWhole: isWholeState }] of states.entries()) {
     /** Found once: they are the same at all sizes. */
     let paths;
 
+    // On a busy computer images are late; here they are no longer decoded once the page has one of each camera.
+    const smallest = wanted.at(-1);
+    if (isWholeState && n === counts.length - 1) {
+      it(`on ${nameOfSize(smallest)}, with marks on late images`, async () => {
+        const { page, errors } = await openPage({ width: smallest.width, height: smallest.height }, smallest.isPhone ? phone : {});
+        const faults = [];
+        try {
+          await page.addInitScript(() => {
+            const decode = globalThis.createImageBitmap;
+            globalThis.createImageBitmap = (...image) => (globalThis.areImagesLate ? new Promise(() => {}) : decode(...image));
+          });
+          for (const path of ['overview', 'camera/0', 'calibration/0']) {
+            await page.goto('about:blank');
+            await page.goto(address(`#/${path}`));
+            await settled(page);
+            await page.waitForFunction(() => {
+              const pictures = [...document.querySelectorAll('main canvas[data-testid^="camera-picture-"]')].filter((one) => one.checkVisibility());
+              globalThis.areImagesLate ||= pictures.length > 0 && pictures.every(({ dataset }) => dataset.frame);
+              return document.querySelectorAll('main p[data-testid="picture-trouble"]').length === pictures.length && pictures.length > 0;
+            });
+            for (const fault of await layoutFaults(page, { isTouch: smallest.isPhone })) faults.push({ ...fault, where: path });
+          }
+        } finally {
+          await page.context().close();
+        }
+        assert.ok(faults.length === 0, summary(faults));
+        assert.deepEqual(errors, [], 'errors in the browser console');
+      });
+    }
+
     for (const [m, size] of wanted.entries()) {
       if (!isWalked(states[n], m)) continue;
       const { width, height, isPhone } = size;
-      // Themes differ in colours, not in places: one each, by turns.
+      // Themes differ in colours, not in layout: one per size, alternating.
       const theme = (n + m) % 2 ? 'light' : 'dark';
       it(`on ${nameOfSize(size)}, ${theme}`, async () => {
         const panel = await openPage({ width, height }, isPhone ? phone : {});
@@ -76,8 +106,8 @@ for (const [n, { count, isMatch, isWhole: isWholeState }] of states.entries()) {
           await chooseTheme(page, theme);
           paths ??= await findPaths(page);
           for (const [p, path] of paths.filter((one) => !onlyPages || onlyPages.some((start) => one.startsWith(start))).entries()) {
-            // Unless all is asked for: places within a page are alike, so each at one size with one number of cameras;
-            // what a page's switches show at one size with the most cameras.
+            // By default: places within a page are alike, so each is checked at one size with one number of cameras;
+            // what a page's switches show is checked at one size with the most cameras.
             const isWhole = isWholeState && (isAll || onlyPages !== null);
             if (!isWholeState && path.includes('/')) continue;
             if (!isWhole && path.includes('/') && turns[p % turns.length] !== `${n} ${m}`) continue;
@@ -88,7 +118,7 @@ for (const [n, { count, isMatch, isWhole: isWholeState }] of states.entries()) {
                 mkdirSync(shots, { recursive: true });
                 await page.screenshot({ path: join(shots, `${where.replace(/[^\w.-]+/g, '_')}.png`) });
               }
-              // What a busy computer has not laid out yet is no fault; what is one stays.
+              // Retry, as a busy computer may not have finished the layout; real faults remain.
               let found = [];
               for (let looks = 0; looks < 10; looks++) {
                 found = await layoutFaults(page, { isTouch: isPhone });
@@ -96,7 +126,7 @@ for (const [n, { count, isMatch, isWhole: isWholeState }] of states.entries()) {
                 await settled(page);
               }
               for (const fault of found) faults.push({ ...fault, where });
-              // The other tests do it with every page, too; here for what a size or a number of cameras changes.
+              // The other tests run axe on every page, too; here it covers the effects of size and number of cameras.
               if (isAll || (!what && !path.includes('/') && (p + m) % wanted.length === 0)) {
                 for (const fault of await axeFaults(page)) faults.push({ kind: 'axe', at: '', what: fault, where });
                 if (isAll) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The text of a PDF as Chromium writes it: glyphs in hexadecimal, and a table for each font that says what they are.
+// Extracts the text of a PDF written by Chromium: hexadecimal glyphs, with a table per font that maps them to
+// characters.
 import { inflateSync } from 'node:zlib';
 
 const pairs = /<([0-9a-fA-F]+)>/g;
@@ -22,13 +23,13 @@ function glyphNames(table) {
   return names;
 }
 
-/** All text, without spaces: those are gaps in a PDF. */
+/** All text, without spaces, which a PDF has only as gaps. */
 export function textOfPdf(bytes) {
   const raw = bytes.toString('latin1');
   const objects = new Map();
   for (const { index, 0: begin, 1: number } of raw.matchAll(/(?:^|\n)(\d+) 0 obj\s/g)) {
     const head = raw.slice(index + begin.length, raw.indexOf('endobj', index)).split(/stream\r?\n/, 1)[0];
-    // Its end is found by its length: compressed bytes may look like anything.
+    // The end comes from the stated length, as compressed bytes may contain anything.
     const length = /\/Length (\d+)/.exec(head)?.[1], at = /stream\r?\n/g;
     at.lastIndex = index + begin.length + head.length;
     let content = '';
@@ -43,7 +44,7 @@ export function textOfPdf(bytes) {
     const table = /\/ToUnicode (\d+) 0 R/.exec(head)?.[1];
     if (table) fonts.set(number, glyphNames(objects.get(table).content));
   }
-  // A font has one name in all pages of a file.
+  // A font has the same name on all pages of a file.
   const named = new Map();
   for (const { head } of objects.values()) {
     for (const [, name, number] of head.matchAll(/\/(F\d+) (\d+) 0 R/g)) if (fonts.has(number)) named.set(name, fonts.get(number));

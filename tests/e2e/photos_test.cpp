@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of real halls, with nothing but their settings (field, ball, heights, calibration): colours are
-// learnt from the pictures, then all of them are processed and held against a truth that a person has
-// checked.
+// Images of real halls, with only their settings (field, ball, heights, calibration): colours are learnt from
+// the images, then all images are processed and compared with a ground truth checked by a person.
 #include "base/json.h"
 #include "geometry/camera_model.h"
 #include "support/child_process.h"
@@ -20,7 +19,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv::test {
+namespace sslv::test::photos_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -31,8 +30,8 @@ void run_or_fail(const std::vector<std::string>& words, std::string* output = nu
   if (output != nullptr) *output = run.output;
 }
 
-/// All robots with their ids, all balls but so many, nothing else: `hall` holds settings.json, pictures of
-/// the first camera in it, and truth.jsonl.
+/// Expects all robots with their ids, all balls except `balls_missed`, and nothing else. `hall` contains
+/// settings.json, images of its first camera, and truth.jsonl.
 void everything_is_found(const fs::path& hall, int balls_missed = 0) {
   const TemporaryFolder folder;
   const std::string settings_file = hall / "settings.json", truth = hall / "truth.jsonl";
@@ -84,8 +83,7 @@ TEST(RealHalls, EverythingIsFoundWithLearntColours) {
   EXPECT_GT(halls, 0) << set << " holds no folder with a settings.json";
 }
 
-/// What a lab does, with drawn pictures: so the way from pictures to figures is tried where there are no
-/// photos.
+/// A lab's procedure with simulated images, so that it is also tested where there are no photos.
 TEST(RealHalls, ADrawnOneIsAnnotatedAndFoundToo) {
   const TemporaryFolder folder;
   const fs::path hall = folder.path() / "drawn";
@@ -100,8 +98,8 @@ TEST(RealHalls, ADrawnOneIsAnnotatedAndFoundToo) {
   everything_is_found(hall);
 }
 
-/// The truth of a photo whose annotations are pixels and degrees in the picture, on a field whose camera
-/// looks straight down with +x to the right.
+/// The ground truth of a photo annotated in pixels and degrees, for a camera that looks straight down with +x
+/// to the right.
 Json truth_of(const Json& annotated, const Json& settings) {
   CameraCalibration c;
   const Json& given = settings["cameras"][0]["calibration"];
@@ -131,7 +129,7 @@ Json truth_of(const Json& annotated, const Json& settings) {
   const double ball_radius_mm = settings["field"]["ball_radius"];
   for (const Json& ball : annotated["balls"])
     line["balls"].push_back(place(ball["center_px"], ball_radius_mm));
-  // A faded ball may be taken for one or not.
+  // A faded ball may be reported or not.
   for (const Json& other : annotated["ignore_or_distractors"]) {
     if (other["kind"].get<std::string>().find("accept either") == std::string::npos) continue;
     Json ball = place(other["center_px"], ball_radius_mm);
@@ -145,7 +143,7 @@ TEST(RealHalls, SixPrintsOnACarpet) {
   const fs::path data = test_data_folder() / "real", photo = data / "ssl_blue6_win.jpg";
   if (!fs::exists(photo)) GTEST_SKIP() << "no " << photo << ": real photos are not part of the project";
   Json settings = Json::parse(std::ifstream(source_path("/tests/golden/ssl_blue6.json")));
-  // Nothing that was made for this photo: no colours, detectors as they come.
+  // Nothing tuned for this photo: no colours, default detector parameters.
   settings["cameras"][0].erase("colors");
   settings["cameras"][0].erase("stages");
   const TemporaryFolder hall;
@@ -156,11 +154,11 @@ TEST(RealHalls, SixPrintsOnACarpet) {
     if (picture["image"] == photo.filename().string())
       hall.write("truth.jsonl", truth_of(picture, settings).dump() + "\n");
   }
-  // The ball on the carpet is over-exposed on its lit side and gets too little confidence.
+  // The lit side of the ball on the carpet is over-exposed, so its confidence is too low.
   everything_is_found(hall.path(), 1);
 }
 
-/// Photos of before 2010 and of another league: a table of what was guessed there would be worse than none.
+/// Photos from before 2010 and from another league: a guessed table would be worse than none.
 TEST(RealHalls, OtherPatternsAreNotLearntFrom) {
   const TemporaryFolder folder;
   Json settings = Json::parse(std::ifstream(source_path("/config/demo.json")));
@@ -177,4 +175,4 @@ TEST(RealHalls, OtherPatternsAreNotLearntFrom) {
 }
 
 }  // namespace
-}  // namespace sslv::test
+}  // namespace sslv::test::photos_test

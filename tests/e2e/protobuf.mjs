@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads protobuf without the service's own code, as a team's software does.
+// Parses protobuf without the service's code, like a team's software.
 
-/** The fields of a protobuf message: number to numbers and byte strings. */
+/** The fields of a protobuf message: field number to a list of numbers or byte strings. */
 export function fieldsOf(bytes) {
   const fields = {};
   let at = 0;
@@ -37,7 +37,7 @@ function ball(bytes) {
 }
 const present = (object) => Object.fromEntries(Object.entries(object).filter(([, value]) => value !== undefined));
 
-/** The detection of an SSL_WrapperPacket with the names of the .proto file; null for another packet. */
+/** The detection of an SSL_WrapperPacket, with the names of the .proto file; null for other packets. */
 export function detectionOf(packet) {
   const bytes = fieldsOf(packet)[DETECTION]?.[0];
   if (!bytes) return null;
@@ -48,7 +48,7 @@ export function detectionOf(packet) {
   });
 }
 
-/** Sizes of the field and counts of an SSL_WrapperPacket's geometry; null for another packet. */
+/** Field size and element counts of an SSL_WrapperPacket's geometry; null for other packets. */
 export function geometryOf(packet) {
   const bytes = fieldsOf(packet)[GEOMETRY]?.[0];
   if (!bytes) return null;

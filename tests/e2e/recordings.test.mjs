@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Match logs, from outside: a game controller on the network, the service's own packets, and a reader of the format that
-// is written from its description (docs/recording.md), not with the service's code.
+// Match logs from outside: a game controller on the network, the service's own packets, and a reader that is written
+// from the format's description (docs/recording.md) instead of the service's code.
 import assert from 'node:assert/strict';
 import { execFile, execFileSync } from 'node:child_process';
 import { createSocket } from 'node:dgram';
@@ -25,7 +25,7 @@ const ctl = (...words) => execFileSync(CTL, ['--daemon', service.address('').sli
 const folder = join(service.stateFolder, 'recordings');
 
 const gc = createSocket('udp4');
-/** What the game controller says from now on, four times a second; null: nothing. */
+/** The current message of the game controller, sent four times a second; null: none. */
 let said = null;
 const talking = setInterval(() => { if (said) gc.send(gameController(said), gcPort, GC_GROUP); }, 250);
 const TEAMS = { yellow: ['TIGERs Mannheim'], blue: ['Ünïted'], matchType: 1 };
@@ -40,7 +40,7 @@ const recordings = async () => (await ask('GET', '')).json;
 const state = async () => (await recordings()).match_log;
 const isNow = (wanted) => becomes(recordings, ({ match_log }) => match_log.state === wanted);
 const logs = async () => (await recordings()).logs;
-/** The newest log, once the service has read it. */
+/** The newest log, once the service has indexed it. */
 const newestIsRead = async () => (await becomes(logs, (all) => all[0]?.seconds !== null || all[0]?.problem !== ''))[0];
 
 /** A log's messages: [{ time (Unix s), type, bytes }]. */
@@ -118,7 +118,7 @@ describe('match logs', () => {
     execFileSync('gzip', ['-t', join(folder, log.name)]);
 
     const { json: { events, begin_s, end_s } } = await ask('GET', `/logs/${log.name}/events`);
-    // What was said last before a break or the end is there if it came before somebody looked.
+    // The last message before a break or the end is included if it arrived before the state was polled.
     assert.deepEqual(events.map(({ kind, text }) => `${kind}: ${text}`).filter((text) => /First|Second half$|Normal|goal/.test(text)),
       ['stage: First half', 'stage: Second half', 'command: Normal start', 'goal: Goal for TIGERs Mannheim: 1 : 0']);
     assert.ok(events.every(({ time_s }) => time_s >= -2.1 && time_s <= end_s - begin_s + 1e-3), JSON.stringify(events));
@@ -166,7 +166,7 @@ describe('match logs', () => {
     await isNow('recording');
     await ask('POST', '/match-log', { record: false });
     const count = (await logs()).length;
-    // It goes on, and the service hears that.
+    // The match continues, and the service receives that.
     said = { ...said, yellow: ['TIGERs Mannheim', undefined, 1] };
     await service.statusBecomes(({ referee }) => referee.match.score.yellow === 1);
     said = { ...TEAMS, stage: 2, command: 0 };
@@ -179,7 +179,7 @@ describe('match logs', () => {
     const { alerts, checks } = await isTold(true);
     assert.equal(alerts.find(({ id }) => id === 'recording_stopped').title, 'This match is not recorded: 127.0.0.1 stopped its log');
     assert.deepEqual(checks.filter(({ id }) => id === 'recording').map(({ state: how, text }) => [how, text]), [['warn', 'This match is not recorded: 127.0.0.1 stopped its log']]);
-    // The rest of it, by hand.
+    // Records the rest of the match by hand.
     await ask('POST', '/match-log', { record: true });
     await isTold(false);
     await ask('POST', '/match-log', { record: false });
@@ -213,7 +213,7 @@ describe('match logs', () => {
     await ask('POST', '/match-log', { record: true, name: 'killed' });
     const { name } = await state();
     await becomes(state, ({ messages, bytes }) => messages.vision > 40 && bytes > 1000);
-    // More was written twice since so many had come: the first time may have begun before.
+    // Two writes after this count of messages: the first one may have begun before they came.
     const { messages: { vision: sure }, bytes } = await state();
     const { bytes: first } = await becomes(state, (now) => now.bytes > bytes);
     await becomes(state, (now) => now.bytes > first);
@@ -249,7 +249,7 @@ describe('match logs', () => {
     assert.equal(info.messages.vision, ofType(messages, VISION).length);
     assert.match(ctl('match-log', 'info', file), new RegExp(` ${info.messages.tracked} {2}tracked messages`));
 
-    // To a plain file with the league's index, and packed again.
+    // Convert to a plain file with the league's index, and pack it again.
     const plain = join(service.folder, 'plain.log'), packed = join(service.folder, 'packed.log.gz');
     assert.equal(ctl('match-log', 'convert', file, plain), `${messages.length} messages\n`);
     const bytes = readFileSync(plain);
@@ -265,7 +265,7 @@ describe('match logs', () => {
     assert.deepEqual(gunzipSync(readFileSync(packed)), gunzipSync(readFileSync(file)));
     assert.throws(() => ctl('match-log', 'convert', plain, packed), /File exists/);
 
-    // To programs that listen to another group than the teams.
+    // Play to programs that listen to a group other than the teams'.
     const group = '239.255.77.98', port = await freeUdpPort();
     assert.throws(() => ctl('match-log', 'play', file, '--group', '224.5.23.2'), /teams listen to 224\.5\.23\.2/);
     const heard = [];
@@ -277,7 +277,7 @@ describe('match logs', () => {
   });
 
   it('are not crowded out by what strangers send', async () => {
-    // Three older logs, so large that the quota is almost full of them; one is pinned.
+    // Three older logs that almost fill the quota; one is pinned.
     mkdirSync(folder, { recursive: true });
     for (const { name } of await logs()) await ask('DELETE', `/logs/${name}`);
     const older = ['2001-01-01_a.log', '2001-01-02_b.log', '2001-01-03_c.log'];
@@ -291,7 +291,7 @@ describe('match logs', () => {
     const { name } = (await isNow('recording')).match_log;
     const tracked = (await state()).messages.tracked;
     const noise = Buffer.from(Array.from({ length: 1400 }, (_, i) => ((i * 197 + 31) % 251) | 1));
-    // Until 14 MB have come, more than the quota: the kernel drops what comes faster than somebody looks.
+    // Until 14 MB have arrived, more than the quota: the kernel drops what exceeds the reading rate.
     for (let number = 0; (await state()).refused < 10_000;) {
       for (let i = 0; i < 100; i++, number++) {
         noise.writeUInt32LE(Math.imul(number, 2654435761) >>> 0, (number * 13) % 1390);
@@ -308,7 +308,7 @@ describe('match logs', () => {
     assert.match(alerts.find(({ id }) => id === 'recording_refused').title, /^The match log leaves out \d+ datagrams /);
     assert.deepEqual((await logs()).map((log) => log.name).sort(), [...older, name]);
 
-    // With so little room left, also of what is the league's strangers have no more taken than is ours.
+    // With so little space left, strangers' valid messages may not take more of the log than our own.
     let frame = 0;
     const flood = setInterval(() => {
       for (let i = 0; i < 20; i++) gc.send(strangersTracks({ uuid: 'stranger'.repeat(150), frame: ++frame }), service.settings.network.tracker.port, TRACKER_GROUP);
@@ -321,7 +321,7 @@ describe('match logs', () => {
     assert.ok((await state()).messages.tracked > tracked + 30);
     assert.deepEqual((await logs()).map((log) => log.name).sort(), [...older, name]);
 
-    // All of the quota is pinned: the match is recorded to its end, and what was recorded stays.
+    // Pinned logs fill the quota: the match is recorded to its end, and the recording is kept.
     for (const log of older) {
       truncateSync(join(folder, log), 3_400_000);
       await ask('PATCH', `/logs/${log}`, { pinned: true });
@@ -331,7 +331,7 @@ describe('match logs', () => {
     assert.equal((await state()).state, 'recording');
     said = { ...TEAMS, stage: 13, command: 0 };
     await isNow('waiting');
-    // Until the disk was looked at once more.
+    // Wait until the disk has been checked again.
     truncateSync(join(folder, older[0]), 8_400_000);
     await service.statusBecomes(({ alerts: now }) => now.some(({ id, title }) => id === 'recording_disk' && title.includes('recordings take 15 MB')));
     assert.deepEqual((await logs()).map((log) => log.name).sort(), [...older, name]);

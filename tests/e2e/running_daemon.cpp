@@ -19,7 +19,7 @@
 namespace sslv::test {
 namespace {
 
-/// A busy computer's camera is too late for the service now and then, or lost for a moment: asks again.
+/// On a busy computer a camera sometimes answers too late or is lost for a moment: retry then.
 bool is_only_late(const httplib::Response& answer, int expected) {
   const auto says = [&](const char* text) { return answer.body.find(text) != std::string::npos; };
   return says("the camera has not answered") || (answer.status != expected && says("is not open"));
@@ -90,9 +90,9 @@ RunningDaemon::~RunningDaemon() {
 
 Json RunningDaemon::get(const std::string& path, int expected) const {
   Json answer = checked([&] { return client(address()).Get(path); }, "GET " + path, expected);
-  // That a busy machine drops images or is late, and that it has a network card which these tests do not send
-  // on, is its own affair. That robots go with their camera has tests of its own (verdict.test.mjs). Cameras
-  // of several kinds run side by side here to try all of them.
+  // Ignores alerts that depend on the machine: dropped or late images, and a network card that these tests do
+  // not send on. Robots lost with their camera are tested in verdict.test.mjs. Different kinds of cameras run
+  // side by side here to test all of them.
   if (path == "/api/status") {
     static const std::set<std::string> kElsewhere{
         "ball_lost",         "camera_not_real",    "camera_off_time", "camera_slow", "frames_dropped",

@@ -18,31 +18,31 @@
 
 namespace sslv::test {
 
-/// config/demo.json, with a panel on any free port and packets to a group of this test's own.
+/// config/demo.json, with the panel on any free port and packets to a multicast group of this test's own.
 Json demo_settings(int multicast_port);
 
-/// Makes images a quarter as large, and fewer of them, which a busy computer keeps up with.
+/// Quarters the image size and sets this frame rate, so that a busy computer keeps up.
 void make_images_small(Json& settings, double frame_rate_hz);
 
-/// The real program as the service manager would start it.
+/// The real program, started as the service manager would.
 class RunningDaemon {
  public:
-  /// Waits until it is ready. `state`: its state folder; `environment` and `kept` as a ChildProcess has them.
+  /// Waits until it is ready. `state`: its state folder; `environment` and `kept` as in ChildProcess.
   RunningDaemon(const std::string& settings_file, const std::filesystem::path& state,
                 std::vector<std::string> environment = {}, const std::vector<KeptFile>& kept = {});
-  /// Kills it; prints what it said when the test has failed.
+  /// Kills it; prints its output if the test has failed.
   ~RunningDaemon();
   RunningDaemon(const RunningDaemon&) = delete;
   RunningDaemon& operator=(const RunningDaemon&) = delete;
 
-  /// Answer of the panel's API. Throws std::runtime_error unless the HTTP status is `expected`.
+  /// The panel API's answer. Throws std::runtime_error unless the HTTP status is `expected`.
   Json get(const std::string& path, int expected = 200) const;
   Json patch(const Json& json_patch, int expected = 200) const;
-  /// Patches one place of the settings.
+  /// Patches one value of the settings.
   Json set(const std::string& settings_path, const Json& value, int expected = 200) const;
   Json post(const std::string& path, const Json& body = Json::object(), int expected = 200) const;
   Json remove(const std::string& path, int expected = 200) const;
-  /// Asks until `good` says so of the answer; throws std::runtime_error with the last one after kPatience.
+  /// Polls until `good` accepts the answer; throws std::runtime_error with the last answer after kPatience.
   template <class Good>
   Json wait_for(const std::string& path, Good good) const;
   template <class Good>
@@ -66,12 +66,12 @@ Json RunningDaemon::wait_for(const std::string& path, Good good) const {
     const Json answer = get(path);
     if (good(answer)) return answer;
     if (std::chrono::steady_clock::now() > deadline) give_up(answer);
-    // Leaves the processors to those who are waited for.
+    // Leaves the processors to the programs that are waited for.
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
 }
 
-/// A test of the daemon with the demo's settings, which it may change before it starts.
+/// A test of the daemon with the demo's settings, which the test may change before starting it.
 class DaemonTest : public ::testing::Test {
  protected:
   std::string settings_file() const { return folder_.write("settings.json", settings_.dump(2)); }
@@ -83,15 +83,16 @@ class DaemonTest : public ::testing::Test {
 };
 
 bool has_alert(const Json& status, const std::string& id);
-/// The first alert of a kind, and its title; throw std::runtime_error with the others when there is none.
+/// The first alert of a kind, and its title; they throw std::runtime_error with the other alerts if there is
+/// none.
 const Json& alert_of(const Json& status, const std::string& id);
 std::string title_of_alert(const Json& status, const std::string& id);
 
 double unix_now_s();
 
-/// The next packet of the group; throws std::runtime_error when none comes.
+/// The group's next packet; throws std::runtime_error if none arrives.
 SSL_WrapperPacket receive(GroupListener& listener);
-/// The next frame that was sent after that time: a reader that was late has older ones waiting.
+/// The next frame sent after that time: a late reader still has older ones queued.
 SSL_DetectionFrame receive_frame(GroupListener& listener, double sent_after_s = 0);
 
 }  // namespace sslv::test

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who gets in, what they may do then, and what must not get out: docs/security.md, threat by threat, against the real
-// service and from another address than its own loopback.
+// Who gets access, with what permissions, and what must not leak: docs/security.md, threat by threat, against the real
+// service, also from an address other than its loopback.
 //   SSLV_CTL  ssl-visionctl; default: the release build's
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
@@ -20,11 +20,11 @@ const ADMIN = 'correct horse', VIEWER = 'battery staple';
 const service = await createService('239.255.77.101');
 const passwordsFile = join(service.stateFolder, 'passwords.json');
 
-/** An address of this computer that is not its loopback: what another computer would use. */
+/** An address of this computer other than its loopback, as another computer would use. */
 const outside = Object.values(networkInterfaces()).flat().find(({ family, internal }) => family === 'IPv4' && !internal)?.address;
 const noOutside = outside ? false : 'this computer has no address but its loopback';
 
-/** {status, headers, text, json}; status 0 where nobody answers. */
+/** {status, headers, text, json}; status 0 if there is no answer. */
 function ask(method, path, { body, cookie, headers = {}, from = '127.0.0.1' } = {}) {
   const text = body === undefined ? undefined : typeof body === 'string' ? body : JSON.stringify(body);
   return new Promise((resolve) => {
@@ -65,7 +65,7 @@ async function ctl(args, input = '', env = {}) {
 }
 const passwd = (password, ...more) => ctl(['passwd', '--state', service.stateFolder, ...more], `${password}\n`);
 
-/** A raw connection, with all that came over it. */
+/** A raw connection that collects the data received. */
 async function open(text, address = '127.0.0.1', localAddress = undefined) {
   const socket = connect({ port: service.settings.panel.port, host: localAddress === outside && outside ? outside : address, localAddress });
   socket.received = '';
@@ -84,7 +84,7 @@ async function handshake(headers) {
   return socket;
 }
 
-/** The service with no password and these panel settings. */
+/** Restarts the service with no password and these panel settings. */
 async function startAfresh(panel = {}) {
   await service.stop();
   await service.forget();
@@ -245,8 +245,8 @@ describe('a service with passwords', () => {
 
   it('makes who guesses wait', { skip: noOutside }, async () => {
     const guess = (password) => ask('POST', 'api/session', { body: { password }, from: outside });
-    // All at once: a try comes back after ten seconds, and to look at a password takes long on a busy computer. The right
-    // one, which gives back all tries, may be among the first.
+    // All at once, as one attempt becomes available every ten seconds, and checking a password takes long on a busy
+    // computer. The correct one, which restores all attempts, may be among the first.
     let most = 5, guesses = 0;
     const begin = performance.now();
     const late = await becomes(async () => {
@@ -307,7 +307,7 @@ describe('a service with passwords', () => {
   });
 
   it('writes down who changed what, also what was refused', async () => {
-    await service.stop(); // only the first refusal in a minute has a line of its own
+    await service.stop(); // only the first refusal in a minute is logged separately
     await service.start();
     await ask('PATCH', 'api/settings', { body: rename('Refused') });
     const cookie = await signIn(ADMIN);
@@ -323,7 +323,7 @@ describe('a service with passwords', () => {
   });
 
   it('keeps a share of the tries for its own computer and for admins while others guess', { skip: noOutside }, async () => {
-    await service.stop(); // which gives back the tries that other tests used up
+    await service.stop(); // restores the attempts used by other tests
     await service.start();
     const viewer = await ask('PUT', 'api/passwords/viewer', { body: { password: VIEWER, admin_password: ADMIN }, cookie: await signIn(ADMIN) });
     assert.equal(viewer.status, 200, viewer.text);
@@ -348,7 +348,7 @@ describe('a service with passwords', () => {
     await ask('PATCH', 'api/settings', { body: rename('After all of them'), cookie });
     await service.logBecomes(/After all of them/);
     const lines = service.log().split('\n').filter((line) => /audit: .*api\/nothing/.test(line)).length;
-    const minutes = Math.ceil((performance.now() - begin) / 60_000); // one line a minute
+    const minutes = Math.ceil((performance.now() - begin) / 60_000); // one line per minute
     assert.ok(lines <= 2 + minutes, `${lines} lines in ${minutes} minutes`);
   });
 
@@ -378,7 +378,7 @@ describe('a service with passwords', () => {
       assert.ok(refused.length > 0);
       for (const { received } of refused) assert.match(received, /too many (connections|viewers) from your address/);
       assert.equal((await ask('GET', 'api/session')).status, 200);
-      // Connections that were refused go a moment after their answer.
+      // Refused connections are closed a moment after their answer.
       await becomes(() => ask('GET', 'api/session', { from: outside }), ({ status }) => status === 200, ({ text }) => text);
     } finally {
       for (const socket of sockets) socket.destroy();
@@ -402,7 +402,8 @@ describe('files that settings name', () => {
   before(() => startAfresh());
   after(() => service.stop());
 
-  /** As a change of settings, as a check of one, and as a profile: all three say no, and tell nothing of the file. */
+  /** As a change of the settings, as a dry run, and as a profile: all three are refused without revealing anything
+   * of the file. */
   async function refused(path, value) {
     const before = (await ask('GET', 'api/settings')).json;
     const patch = [{ op: 'replace', path, value }];
@@ -577,7 +578,7 @@ describe('the match lock', () => {
       await gameRuns(true);
       assert.equal((await ask('GET', 'api/session')).json.match_lock.locked, false, `after ${pause} it is still this match`);
     }
-    // In a HALT, too, it can be locked again.
+    // It can also be locked again during HALT.
     hears('halted');
     await gameRuns(false);
     assert.equal((await ask('POST', 'api/match_lock', { body: { opened: false } })).status, 200);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The real service with its simulated cameras, for tests that talk to its port.
+// The real service with its simulated cameras, for tests that use its port.
 //   SSLV_DAEMON  the service; default: the release build
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
@@ -15,11 +15,11 @@ import { setTimeout as pause } from 'node:timers/promises';
 import { fileURLToPath } from 'node:url';
 
 export const root = fileURLToPath(new URL('../..', import.meta.url));
-// The one limit of all waits. Reaching it means that something hangs: a busy machine or a sanitizer takes far less.
+// The timeout of all waits. Reaching it means a hang: a busy machine or a sanitizer takes far less.
 export const PATIENCE_MS = 300_000;
 export const DAEMON = process.env.SSLV_DAEMON ?? join(root, 'build/release/bin/ssl-visiond');
 
-/** Looks again until it is as wanted; what it was last is told by `tell`. */
+/** Polls until `wanted` accepts the value, and returns it; on timeout fails with `tell` of the last value. */
 export async function becomes(look, wanted, tell = JSON.stringify) {
   const deadline = Date.now() + PATIENCE_MS;
   for (;;) {
@@ -30,7 +30,7 @@ export async function becomes(look, wanted, tell = JSON.stringify) {
   }
 }
 
-/** Does it again until none of its assertions fails: for what two sources say at different times. */
+/** Retries until no assertion fails: for comparing two sources that update at different times. */
 export async function eventually(check) {
   const deadline = Date.now() + PATIENCE_MS;
   for (;;) {
@@ -43,18 +43,18 @@ export async function eventually(check) {
   }
 }
 
-/** What a status says only because this computer has much else to do. */
+/** Checks and alerts that depend only on the load of this computer. */
 export const OF_THE_COMPUTER = { checks: ['pictures', 'latency', 'computer'], alerts: ['camera_slow', 'frames_dropped', 'stage_slow'] };
 
-/** What waits are for, of a status. */
+/** The parts of a status that waits depend on. */
 const tellStatus = ({ cameras, alerts, ...others }) => JSON.stringify({
   cameras: cameras.map(({ id, backend, state, error, frames, fps, robots, balls }) => ({ id, backend, state, error, frames, fps, robots, balls })),
   alerts: alerts.map(({ id }) => id), ...others,
 });
 
 /**
- * A port for a multicast group that nobody else gets while this process runs: the TCP port of the same number keeps
- * other tests away, and the UDP socket programs that take any port. Both leave room for sockets that share it.
+ * A port for a multicast group, reserved while this process runs: the TCP port of the same number keeps other tests
+ * away, and the UDP socket keeps away programs that take any port. Both allow sockets that share the port.
  */
 export async function freeUdpPort() {
   for (;;) {
@@ -71,7 +71,7 @@ export async function freeUdpPort() {
   }
 }
 
-/** Datagrams to this port that the kernel dropped because this process did not fetch them in time. */
+/** Datagrams to this port that the kernel dropped because this process did not read them in time. */
 function unfetched(port) {
   const own = new Set();
   for (const fd of readdirSync('/proc/self/fd')) {
@@ -86,7 +86,7 @@ function unfetched(port) {
   return ours.reduce((sum, row) => sum + Number(row.at(-1)), 0);
 }
 
-/** Hears a group until it is closed: `heard(packet)`. */
+/** Receives a group until it is closed: `heard(packet)`. */
 export async function listenTo(group, port, heard, address = '127.0.0.1') {
   const socket = createSocket({ type: 'udp4', reuseAddr: true, recvBufferSize: 4 << 20 }).bind(port);
   socket.on('message', heard);
@@ -94,7 +94,7 @@ export async function listenTo(group, port, heard, address = '127.0.0.1') {
   socket.addMembership(group, address);
   let closed = null;
   return {
-    /** Packets that were sent, and that this process was too slow to hear. */
+    /** Packets that were sent but that this process was too slow to receive. */
     missed: () => closed ?? unfetched(port),
     close() {
       if (closed !== null) return;
@@ -104,7 +104,7 @@ export async function listenTo(group, port, heard, address = '127.0.0.1') {
   };
 }
 
-/** Makes a raw WebSocket stay that only listens: the service closes one that does not answer its pings. */
+/** Keeps a receive-only raw WebSocket open: the service closes one that does not answer its pings. */
 export function answerPings(socket) {
   const PING = 0x89, PONG = 0x8a;
   socket.on('data', (bytes) => {
@@ -113,7 +113,7 @@ export function answerPings(socket) {
 }
 
 /**
- * A copy of a built panel in `to` as another version would be: all scripts have other names, as they name each other; its
+ * Copies a built panel to `to` as another version: all scripts are renamed, also where they refer to each other; the
  * entry is `assets/index-upgraded.js`.
  */
 export function upgradePanel(built, to) {
@@ -129,15 +129,15 @@ export function upgradePanel(built, to) {
   for (const [old, name] of names) renameSync(join(to, 'assets', old), join(to, 'assets', name));
 }
 
-/** The demo with packets to `group`; nothing runs yet. `settings` may be changed before the start. */
+/** The demo with packets to `group`, not started yet. `settings` may be changed before the start. */
 export async function createService(group) {
   const folder = mkdtempSync(join(tmpdir(), 'ssl-visiond-panel.'));
   const settingsFile = join(folder, 'admin.json');
   const stateFolder = join(folder, 'state');
   const settings = JSON.parse(readFileSync(join(root, 'config/demo.json'), 'utf8'));
   Object.assign(settings.network.vision, { group, interface: 'lo', port: await freeUdpPort() });
-  // More images show nothing more, and keep processors busy that other tests wait for.
-  if (!process.env.SSLV_SCREENSHOTS) for (const { source } of settings.cameras) source.frame_rate_hz = 10;
+  // A higher rate would show nothing more, and would take processors from other tests.
+  for (const { source } of settings.cameras) source.frame_rate_hz = 10;
   settings.network.referee = { enabled: false };
   settings.panel = { port: 0 };
   settings.recording = { last_seconds: { memory_mb: 64 } }; // many services run at once
@@ -145,13 +145,13 @@ export async function createService(group) {
   let ended = null;
   let first = null;
   let log = [];
-  /** {port}, or {code} where it ends at once. */
+  /** {port}, or {code} if it exits at once. */
   const spawnDaemon = async () => {
     daemon = spawn(DAEMON, ['--config', settingsFile, '--panel', service.panelFolder, '--files', join(root, 'tests'), ...service.options], {
       env: { ...process.env, STATE_DIRECTORY: stateFolder },
       stdio: ['ignore', 'ignore', 'pipe'],
     });
-    // Closed, not only gone: by then all that it said has come.
+    // On `close` rather than `exit`: by then all of its output has been read.
     ended = new Promise((resolve, reject) => { daemon.once('error', reject).once('close', (code) => resolve({ code })); });
     ended.catch(() => {});
     log = [];
@@ -172,22 +172,23 @@ export async function createService(group) {
     settings,
     /** The built panel that it serves. */
     panelFolder: join(root, 'webui/dist'),
-    /** Further arguments of its command line. */
+    /** Further command line arguments. */
     options: [],
-    /** What it said since it was started. */
+    /** Its log since the last start. */
     log: () => log.join('\n'),
-    /** What it says comes through a pipe of its own, so a line may come after the answer to what it is about. */
+    /** The log has its own pipe, so a line may arrive after the answer to its request. */
     logBecomes: (wanted) => becomes(service.log, (text) => wanted.test(text), String),
-    /** With a password the panel moves to where others reach it: for a moment there is nobody at its port. */
+    /** Once a password is set, the panel moves to an address that others can reach; for a moment nothing listens on
+     * its port. */
     opensToOthers: () => service.logBecomes(/panel on 0\.0\.0\.0 port/),
     pid: () => daemon.pid,
     address: (path) => `http://127.0.0.1:${settings.panel.port}/${path}`,
 
-    /** It answers on `settings.panel.port` when this returns. */
+    /** Returns when it answers on `settings.panel.port`. */
     async start() {
       mkdirSync(stateFolder, { recursive: true });
       writeFileSync(settingsFile, JSON.stringify(settings));
-      // EX_TEMPFAIL: while it was down, the kernel lent its port to a connection.
+      // EX_TEMPFAIL: while it was stopped, the kernel gave its port to a connection.
       const { port } = await becomes(spawnDaemon, ({ code }) => code !== 75, () => log.join('\n'));
       assert.ok(port, `${DAEMON} ended at once:\n${log.join('\n')}`);
       settings.panel.port = port;
@@ -200,7 +201,7 @@ export async function createService(group) {
       assert.equal(code, 0, `the service ends cleanly:\n${log.slice(-20).join('\n')}`);
     },
 
-    /** Takes away what it remembers; it does not run. */
+    /** Deletes its state folder; it must not be running. */
     async forget() {
       assert.ok(!isRunning());
       rmSync(stateFolder, { recursive: true, force: true });
@@ -216,18 +217,18 @@ export async function createService(group) {
       assert.equal(answer.status, 200, await answer.text());
     },
 
-    /** Asks for the service's status until it is as wanted. */
+    /** Polls the service's status until `wanted` accepts it. */
     statusBecomes: (wanted) => becomes(async () => (await fetch(service.address('api/status'))).json(), wanted, tellStatus),
 
     /**
-     * Before each test: the first time it remembers the settings, later it puts them back, whatever a test that failed
-     * left. The service and all cameras run when this returns.
+     * For before each test: stores the settings on the first call and restores them later, even after a failed test.
+     * Returns when the service and all cameras run.
      */
     async restore() {
       if (!isRunning()) await service.start();
       const { settings: now } = await (await fetch(service.address('api/settings'))).json();
       first ??= now;
-      // Not to port 0, which it had only until it had one: the panel would move.
+      // Keep the current port: port 0 was only for the start, and the panel would move.
       const wanted = { ...first, panel: { ...first.panel, port: now.panel.port } };
       if (!isDeepStrictEqual(now, wanted)) await service.patch({ op: 'replace', path: '', value: wanted });
       await service.statusBecomes(({ cameras }) => cameras.length === first.cameras.length && cameras.every(({ state }) => state === 'running'));

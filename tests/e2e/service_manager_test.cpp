@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the service manager is told, and what makes it restart the service.
+// Messages to the service manager, and conditions under which it restarts the service.
 #include "support/service_manager.h"
 
 #include "clips/clip_writer.h"
@@ -22,7 +22,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace sslv::test {
+namespace sslv::test::service_manager_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -87,16 +87,16 @@ TEST_F(Notifies, IsAliveWhileAReloadWaitsForAStage) {
   EXPECT_EQ(daemon.wait_for_exit(), 0);
 }
 
-/// A camera whose driver stops answering in the middle: a film through a pipe that nobody writes on with.
+/// A camera whose driver stops answering: a film read from a pipe that is no longer written to.
 class StuckFilm {
  public:
   explicit StuckFilm(const std::string& path) {
     if (::mkfifo(path.c_str(), 0600) != 0) throw std::runtime_error("no pipe " + path);
     std::ifstream in(source_path("/tests/golden/division_b.jpg"), std::ios::binary);
     picture_ = {std::istreambuf_iterator<char>(in), {}};
-    pipe_ = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);  // not waiting for a reader
+    pipe_ = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);  // does not wait for a reader
     writer_ = std::jthread([this](const std::stop_token& stop) {
-      // Enough to know what film it is and to see some pictures, then nothing.
+      // Enough to detect the film's format and to deliver some frames, then nothing.
       for (int i = 0; i < kPictures; ++i) {
         for (std::size_t sent = 0; sent < picture_.size() && !stop.stop_requested();) {
           pollfd ready{pipe_, POLLOUT, 0};
@@ -116,7 +116,7 @@ class StuckFilm {
   StuckFilm(const StuckFilm&) = delete;
   StuckFilm& operator=(const StuckFilm&) = delete;
 
-  /// No more will come.
+  /// Everything has been written.
   bool is_written() const { return is_written_; }
 
  private:
@@ -137,7 +137,7 @@ TEST_F(Notifies, ACameraThreadThatHangsStopsTheFeedingAndARestartMendsIt) {
     manager_.wait_for("WATCHDOG=1");
     while (!stuck.is_written()) manager_.wait_for("");
     EXPECT_THAT(manager_.wait_for("STATUS=camera 1 has hung for "), HasSubstr(" s"));
-    // From now on it is not fed, though all else goes on: what WatchdogSec is for.
+    // The watchdog is no longer fed although everything else continues: the case for WatchdogSec.
     for (int statuses = 0; statuses < 3;) {
       const std::string message = manager_.wait_for("");
       EXPECT_THAT(message, ::testing::Not(StartsWith("WATCHDOG")));
@@ -146,7 +146,7 @@ TEST_F(Notifies, ACameraThreadThatHangsStopsTheFeedingAndARestartMendsIt) {
     const double hung_s = unix_now_s();
     while (receive_frame(listener_, hung_s).camera_id() != 0) {  // camera 0 still sends
     }
-    // As the service manager does it, then starts it anew.
+    // Like the service manager, which then restarts it.
     daemon.send_signal(SIGABRT);
     EXPECT_EQ(daemon.wait_for_exit(), 128 + SIGABRT);
   }
@@ -161,7 +161,7 @@ TEST_F(Notifies, ACameraThreadThatHangsStopsTheFeedingAndARestartMendsIt) {
 class HungDisk : public Notifies {
  protected:
   std::vector<std::string> environment() const {
-    // By its name: LD_PRELOAD takes no path with a space.
+    // By name, as LD_PRELOAD accepts no path with a space.
     const std::filesystem::path library = hung_disk_library();
     std::vector<std::string> out = Notifies::environment();
     out.insert(out.end(),
@@ -172,7 +172,7 @@ class HungDisk : public Notifies {
   }
   void hang() {
     std::ofstream(hung_) << "now";
-    while (!std::filesystem::exists(hung_ + ".reached")) manager_.wait_for("");  // the folder is looked at
+    while (!std::filesystem::exists(hung_ + ".reached")) manager_.wait_for("");  // until it is accessed
     manager_.hear_the_rest();
   }
 
@@ -221,7 +221,7 @@ class Crashes : public Notifies {
   RunningDaemon start() {
     return RunningDaemon(settings_file(), state_, {manager_.variable()}, manager_.kept());
   }
-  /// Until so much of both cameras is in memory, which the manager keeps: enough for a hundred images of
+  /// Waits until the rings of both cameras are held by the manager and contain enough for a hundred images
   /// each.
   void wait_until_kept(const RunningDaemon& daemon) {
     daemon.wait_for_status([this](const Json& status) {
@@ -240,7 +240,7 @@ class Crashes : public Notifies {
     daemon.process().wait_for_exit();
     manager_.hear_the_rest();
   }
-  /// Once what a crash left was looked at.
+  /// The crash clips, once what a crash left behind has been processed.
   static Json crash_clips(const RunningDaemon& daemon) {
     const auto all = daemon.wait_for("/api/recordings/clips", [](const Json& answer) {
       return answer["clip"]["state"] != "writing" &&
@@ -260,7 +260,7 @@ TEST_F(Crashes, LeaveAClipOfWhatTheCamerasSaw) {
   {
     RunningDaemon first = start();
     wait_until_kept(first);
-    // Not all was seen with the same.
+    // Part of the clip has other settings.
     first.set("/cameras/1/colors/bits", 6);
     const double changed_s = unix_now_s();
     for (int i = 0; i < 60; ++i) receive_frame(listener_, changed_s);
@@ -268,7 +268,7 @@ TEST_F(Crashes, LeaveAClipOfWhatTheCamerasSaw) {
     crash(first, SIGSEGV);
     ASSERT_EQ(manager_.kept().size(), 2U);
   }
-  // Clips of earlier crashes, one of them dated by a clock that was wrong.
+  // Clips of earlier crashes, one dated in the future by a wrong clock.
   const std::filesystem::path recordings = state_ / "recordings";
   for (const int days : {1, -1, -2, -3}) {
     const auto clip = recordings / ("2000-01-0" + std::to_string(4 + days) + "_00-00_crash.clip");
@@ -303,10 +303,10 @@ TEST_F(Crashes, LeaveAClipOfWhatTheCamerasSaw) {
         run_to_end({ctl_program(), "replay", (state_ / "recordings" / name).string(), "--compare"});
     EXPECT_EQ(compared.exit_code, 0) << compared.output;
 
-    // One that crashes again and again does not fill the disk.
+    // Repeated crashes must not fill the disk.
     wait_until_kept(second);
     crash(second, SIGKILL);
-    // However long that took.
+    // Dates the first clip now, so that the second crash counts as soon after it, however long this took.
     std::filesystem::last_write_time(recordings / name, std::filesystem::file_time_type::clock::now());
   }
   RunningDaemon third = start();
@@ -329,10 +329,10 @@ TEST_F(Crashes, LeaveNoClipWhereNoneIsWanted) {
   }
   RunningDaemon second = start();
   EXPECT_EQ(crash_clips(second), Json::array());
-  wait_until_kept(second);  // what was kept of the first is forgotten
+  wait_until_kept(second);  // the first run's rings have been discarded
   EXPECT_EQ(title_of_alert(second.get("/api/status"), "service_crashed"),
             "The service crashed and runs again");
 }
 
 }  // namespace
-}  // namespace sslv::test
+}  // namespace sslv::test::service_manager_test

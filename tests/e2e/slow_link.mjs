@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// A link between browser and service that may be slow or cut: a TCP proxy. Chromium's own throttle does not hold for all
-// that a WebSocket carries.
+// A slow or broken link between browser and service: a TCP proxy. Chromium's own throttling does not cover all
+// WebSocket traffic.
 import { once } from 'node:events';
 import { connect, createServer } from 'node:net';
 
 /**
- * In front of `port()` of this computer. `kbps`: what all connections together carry towards the browser, in kbit/s;
- * Infinity: no limit. `slice_ms`: how often something passes. `burst_ms`: what was not used for this long may pass at
+ * A proxy in front of `port()` of this computer. `kbps`: total rate of all connections towards the browser, in kbit/s;
+ * Infinity: no limit. `slice_ms`: interval of forwarding. `burst_ms`: unused capacity of this duration may be used at
  * once, as this process does not always run in time.
  */
 export async function createLink(port, { slice_ms = 20, burst_ms = 200 } = {}) {
   let kbps = Infinity;
   let isCut = false;
   let bytes = 0;
-  let free = 0; // what may pass now, in bytes
+  let free = 0; // bytes that may be forwarded now
   let pumpedAt = performance.now();
   const pairs = new Set();
 
@@ -55,10 +55,10 @@ export async function createLink(port, { slice_ms = 20, burst_ms = 200 } = {}) {
 
   return {
     address: (path = '') => `http://127.0.0.1:${listener.address().port}/${path}`,
-    /** Bytes towards the browser until now. */
+    /** Bytes forwarded to the browser so far. */
     bytes: () => bytes,
     limit(next) { kbps = next; },
-    /** Nothing passes any more, and nobody can connect. */
+    /** Closes all connections and refuses new ones. */
     cut() {
       isCut = true;
       for (const { client, server } of pairs) { client.destroy(); server.destroy(); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage libraries and the real service: what it makes of good ones, bad ones and ones that are gone.
+// Stage libraries with the real service: correct ones, faulty ones and missing ones.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { copyFileSync, existsSync, mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -122,13 +122,13 @@ describe('stage libraries', () => {
         const [command] = readFileSync(`/proc/${pid}/cmdline`, 'utf8').split('\0').slice(1);
         return command === '--stage-process' && readFileSync(`/proc/${pid}/stat`, 'utf8').split(') ')[1].split(' ')[1] === String(service.pid());
       } catch {
-        return false; // it is gone
+        return false; // it has ended
       }
     });
     await becomes(async () => children(), (pids) => pids.length === 2);
     const runs = ({ cameras }) => cameras[0].stages.length === STACK.length && cameras[0].stages[3].p50_us > 0;
     const { cameras: [before] } = await service.statusBecomes(runs);
-    // The first time it is there again before the next image comes, if nothing else keeps the computer busy.
+    // After the first kill the process may be back before the next image, if the computer is not busy.
     const killing = async () => {
       for (const pid of children()) {
         try {

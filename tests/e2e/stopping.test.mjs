@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// SIGTERM ends the service cleanly whatever it is doing; what it is doing does not come to its end first.
-//   SSLV_STOP_TRIES  how often it is stopped during each; default 1
-//   SSLV_STOP_TABLE  a file to which a row of a table in Markdown is added for each: how long the end took
+// SIGTERM stops the service cleanly whatever it is doing, without finishing that first.
+//   SSLV_STOP_TRIES  how often it is stopped during each activity; default: 1
+//   SSLV_STOP_TABLE  a file to which a row of a table in Markdown is appended for each: how long stopping took
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { once } from 'node:events';
@@ -18,7 +18,7 @@ import { becomes, createService, PATIENCE_MS, root } from './service.mjs';
 const TRIES = Number(process.env.SSLV_STOP_TRIES ?? 1);
 const LIBRARIES = process.env.SSLV_KIT_LIBRARIES ?? join(root, 'build/release/kit');
 const service = await createService('239.255.77.94');
-// Near enough for both cameras to see the same robots.
+// Close enough for both cameras to see the same robots.
 service.settings.cameras.forEach(({ calibration }, i) => { calibration.ty = i === 0 ? -2000 : 2000; });
 const recordings = join(service.stateFolder, 'recordings'), kept = join(service.folder, 'kept');
 
@@ -28,10 +28,10 @@ const ask = async (method, path, body) => {
   assert.ok(answer.ok, `${method} ${path}: ${answer.status} ${text}`);
   return JSON.parse(text);
 };
-/** Of what may still be under way when the service ends. */
+/** Ignores failures of a request that may be pending when the service stops. */
 const leaveOpen = (promise) => promise.catch(() => {});
 const cameraRuns = () => service.statusBecomes(({ cameras }) => cameras.every(({ state, fps }) => state === 'running' && fps > 0));
-/** Begins something until it is seen in the middle of it: it may be over too soon. */
+/** Starts an activity until it is caught in progress, as it may finish too soon. */
 async function isCaught(begin, look, wanted, isOver) {
   for (;;) {
     await begin();
@@ -48,14 +48,14 @@ const inProcess = (what, read) => readdirSync(`/proc/${service.pid()}/${what}`).
   try {
     return read(`/proc/${service.pid()}/${what}/${name}`);
   } catch {
-    return ''; // it is gone
+    return ''; // it has ended
   }
 });
 const hasOpen = (file) => becomes(() => inProcess('fd', readlinkSync), (files) => files.includes(file));
-/** A connection on which something was said; what is answered is read only by who asks for it. */
+/** A connection on which a request was sent; the answer is read only if the caller does so. */
 async function said(text) {
   const socket = connect(service.settings.panel.port, '127.0.0.1');
-  socket.on('error', () => {}); // the service ends
+  socket.on('error', () => {}); // the service stops
   await once(socket, 'connect');
   socket.write(text);
   return socket;
@@ -66,7 +66,7 @@ const silentSource = (id) => {
   if (!existsSync(pipe)) execFileSync('mkfifo', [pipe]);
   return { backend: 'files', path: pipe };
 };
-/** Once somebody waits for what such a source has to say; he waits until it is closed. */
+/** Waits until someone opens such a source; the reader then waits until the returned function closes it. */
 const isWaitedFor = async ({ path }) => {
   let end = null;
   await becomes(() => {
@@ -79,10 +79,10 @@ const isWaitedFor = async ({ path }) => {
   }, (there) => there !== null);
   return () => closeSync(end);
 };
-/** Its points are corners of the half of the field that camera 0 sees; one is wrong, which makes it search. */
+/** Corners of the half field that camera 0 sees; one is wrong, which makes the calibration search. */
 const POINTS = [[120, 90], [660, 100], [110, 480], [670, 490], [390, 90], [395, 300], [250, 200]].map(([x, y]) => ({ x, y }));
 
-/** A log as others pack it, in so many parts of so many megabytes. */
+/** A log packed in gzip members as by other programs: `parts` members of `megabytes` each. */
 function writeLongLog(file, parts, megabytes) {
   const message = Buffer.alloc(16 + 1008);
   message.writeInt32BE(1, 8);
@@ -94,7 +94,7 @@ function writeLongLog(file, parts, megabytes) {
   for (let i = 1; i < parts; i++) appendFileSync(file, more);
 }
 
-/** As large as an image may be, and quickly sent. */
+/** The largest image allowed, quick to upload. */
 function largeImage() {
   const [width, height] = [8000, 4000];
   const chunk = (name, bytes) => {
@@ -109,7 +109,7 @@ function largeImage() {
   return Buffer.concat([Buffer.from('\x89PNG\r\n\x1a\n', 'latin1'), chunk('IHDR', size), chunk('IDAT', deflateSync(Buffer.alloc((3 * width + 1) * height, 7), { level: 1 })), chunk('IEND', Buffer.alloc(0))]);
 }
 
-/** A clip of which a comparison takes long: its frames again and again, without an end. */
+/** A clip that takes long to compare: its frames repeated, without an end. */
 function writeLongClip(from, to) {
   const file = readFileSync(from);
   const frames = [];
@@ -126,7 +126,7 @@ function writeLongClip(from, to) {
 const clips = () => ask('GET', 'recordings/clips');
 const newestClip = async () => (await becomes(clips, ({ clip, clips: all }) => clip.state === 'idle' && all.some(({ begin_s: s }) => s !== null))).clips[0];
 
-/** Each brings the service into the middle of something; what it returns is called when it has ended. */
+/** Each brings the service into the middle of an activity; the returned function is called after it has stopped. */
 const activities = {
   'nothing special': async () => { await cameraRuns(); },
   'the calibration of a camera, collecting': async () => {
@@ -273,25 +273,26 @@ const activities = {
     return () => viewers.forEach((viewer) => viewer.end());
   },
 };
-/** A library that a busy computer did not load in time is left out until the next start. */
+/** Restarts until all libraries are loaded: one that a busy computer did not load in time is skipped until the next
+ * start. */
 async function hasLibraries() {
   while ((await ask('GET', 'status')).alerts.some(({ id }) => id === 'stage_library')) {
     await service.stop();
     await service.start();
   }
 }
-/** Refused where the library does not answer in time. */
+/** Refused if the library does not answer in time. */
 const putStage = (name) => fetch(service.address('api/settings'), {
   method: 'PATCH', body: JSON.stringify([{ op: 'replace', path: '/cameras/0/stack', value: ['segment', 'detect_robots', 'detect_balls', name, 'publish'] }]),
 });
-/** Those in which stages run. */
+/** The processes in which stages run. */
 function stageProcesses() {
   return readdirSync('/proc').filter((pid) => {
     try {
       const words = readFileSync(`/proc/${pid}/cmdline`, 'utf8').split('\0');
       return words[1] === '--stage-process' && words[3] === 'run' && readFileSync(`/proc/${pid}/stat`, 'utf8').split(') ')[1].split(' ')[1] === String(service.pid());
     } catch {
-      return false; // it is gone
+      return false; // it has ended
     }
   });
 }

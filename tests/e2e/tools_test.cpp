@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// ssl-visionctl over files: simulate, process, score, and a real photo; and what it asks a running daemon.
+// ssl-visionctl with files (simulate, process, score, and a real photo) and with a running daemon.
 #include "base/params_json.h"
 #include "e2e/running_daemon.h"
 #include "geometry/camera_model.h"
@@ -13,7 +13,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv::test {
+namespace sslv::test::tools_test {
 namespace {
 
 using ::testing::AllOf;
@@ -177,7 +177,7 @@ TEST_F(Tools, TheGoldenPictureHoldsWhatItsTruthSays) {
   EXPECT_LT(score["ball_position_mm"]["max"], 3);
 }
 
-/// Someone who has two pictures of a hall and knows what is in them makes their truth and scores with it.
+/// A user annotates two images of a hall whose contents are known, and scores with that ground truth.
 TEST_F(Tools, AHallsOwnPicturesAreAnnotatedAndScored) {
   const std::string settings = settings_with("{}"), truth = folder_.file("truth.jsonl");
   must_run({ctl_program(), "simulate", "--settings", settings, "--frames", "2", "--start", "1000", "--output",
@@ -201,7 +201,7 @@ TEST_F(Tools, AHallsOwnPicturesAreAnnotatedAndScored) {
     return Json::parse(run.output);
   };
 
-  // The draft: what the detector finds, with a page for each picture.
+  // The draft: the detections, with a page for each image.
   const auto first = annotate({});
   ASSERT_EQ(first.exit_code, 0) << first.output;
   EXPECT_THAT(first.output,
@@ -211,9 +211,9 @@ TEST_F(Tools, AHallsOwnPicturesAreAnnotatedAndScored) {
   const Json draft = lines_of(truth).at("frame_000000");
   ASSERT_GE(draft["robots"].size(), 2U);
 
-  // It says more than is true, less than is true, and a wrong id.
+  // Corrections: a removed robot, a wrong id and an additional ball.
   const Json lost = draft["robots"][0], renamed = draft["robots"][1];
-  EXPECT_EQ(annotate({"--remove", "1"}).exit_code, 78);  // of which picture?
+  EXPECT_EQ(annotate({"--remove", "1"}).exit_code, 78);  // the image is missing
   const auto corrected = annotate({"--frame", "frame_000000", "--remove", lost["number"].dump(), "--id",
                                    renamed["number"].dump(), "15", "--ball", "30", "30"});
   ASSERT_EQ(corrected.exit_code, 0) << corrected.output;
@@ -226,7 +226,7 @@ TEST_F(Tools, AHallsOwnPicturesAreAnnotatedAndScored) {
   EXPECT_EQ(score["balls"]["expected"].get<int>() - score["balls"]["found"].get<int>(), 1);
   EXPECT_EQ(score["frames_not_checked"], Json::array({"frame_000000", "frame_000001"}));
 
-  // Put right again by hand: the lost robot by two pixels, its middle and a place that it looks towards.
+  // Restored by hand: the lost robot from two pixels, its centre and a point in front of it.
   const Json ball = lines_of(truth).at("frame_000000")["balls"].back();
   const CameraModel camera(
       params_from_json<CameraCalibration>(demo_settings(1)["cameras"][0]["calibration"], ""));
@@ -249,12 +249,12 @@ TEST_F(Tools, AHallsOwnPicturesAreAnnotatedAndScored) {
   EXPECT_LT(score["robot_position_mm"]["max"], 0.01);
   EXPECT_LT(score["robot_orientation_deg"]["max"], 0.01);
 
-  // What is refused leaves the file as it is.
+  // Refused commands leave the file unchanged.
   const std::string before = text_of(truth);
   EXPECT_THAT(annotate({"--frame", "frame_000000", "--remove", "99"}).output, HasSubstr("has no mark 99"));
   EXPECT_THAT(annotate({"--frame", "no"}).output, HasSubstr("has no image \"no\""));
   EXPECT_EQ(text_of(truth), before);
-  // A truth that another program wrote has no marks, and is not written over.
+  // A ground truth from another program has no marks and is not overwritten.
   const auto simulated = run_to_end({ctl_program(), "annotate", "--settings", settings, "--input",
                                      folder_.file("hall"), "--truth", folder_.file("hall/truth.jsonl")});
   EXPECT_EQ(simulated.exit_code, 78);
@@ -262,7 +262,7 @@ TEST_F(Tools, AHallsOwnPicturesAreAnnotatedAndScored) {
 }
 
 TEST_F(Tools, TheAccuracySuiteHoldsWhereItMust) {
-  // A part of `./run accuracy`, with the limits that stand in the suite.
+  // A part of `./run accuracy`, with the limits defined in the suite.
   const auto run =
       run_to_end({ctl_program(), "score", "--suite", source_path("/tests/golden/accuracy.json"), "--frames",
                   "12", "--only", "field A", "field A, Bayer", "field B, RGB", "noise 15", "light 0.3",
@@ -276,7 +276,7 @@ class AskingADaemon : public DaemonTest {
     words.insert(words.begin(), {ctl_program(), "--daemon", daemon_.address()});
     return run_to_end(words);
   }
-  /// What it prints when all goes well.
+  /// Its output; expects exit code 0.
   std::string answer(const std::vector<std::string>& words) const {
     const Finished run = ask(words);
     EXPECT_EQ(run.exit_code, 0) << run.output;
@@ -373,7 +373,7 @@ TEST_F(AskingADaemon, CamerasAndAlertsAreTables) {
   EXPECT_EQ(Json::parse(ask({"alerts", "--json"}).output)[0]["severity"], "bad");
 }
 
-/// What bash offers after these words, of which the last one is being written.
+/// Bash's completions for these words, the last of which is incomplete.
 std::string completed(const std::vector<std::string>& words) {
   std::vector<std::string> all{
       "/bin/bash", "-c",
@@ -391,8 +391,8 @@ TEST(Completion, OffersTheCommandsAndOptionsOfAPlace) {
   EXPECT_EQ(completed({"annotate", "--pa"}), "--pages\n");
   EXPECT_EQ(completed({"score", "--min"}), "--min-robot-share --min-ball-share\n");
   EXPECT_EQ(completed({"--da"}), "--daemon\n");
-  EXPECT_EQ(completed({"--daemon", "status", "wat"}), "watch\n");  // the value of an option is no command
-  EXPECT_EQ(completed({"snapshot", "--output", "sta"}), "\n");     // left to the shell: a file
+  EXPECT_EQ(completed({"--daemon", "status", "wat"}), "watch\n");  // an option's value is no command
+  EXPECT_EQ(completed({"snapshot", "--output", "sta"}), "\n");     // a file: left to the shell
 }
 
 TEST(RealPhoto, SixRobotsWithTheirIdsAndTwoBalls) {
@@ -434,4 +434,4 @@ TEST(RealPhoto, SixRobotsWithTheirIdsAndTwoBalls) {
 }
 
 }  // namespace
-}  // namespace sslv::test
+}  // namespace sslv::test::tools_test

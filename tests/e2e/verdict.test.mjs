@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether GO means that the field can play: faults of many kinds are put into the real service, which must name each
-// within seconds, offer a page that mends it, and be content again when it is gone.
-//   SSLV_VERDICT_TABLE  a file: every fault at each strength, and a row of Markdown for each
+// Does GO mean that the field can play? Faults of many kinds are injected into the real service, which must name each
+// within seconds, link to a page that fixes it, and return to GO when it is gone.
+//   SSLV_VERDICT_TABLE  a file: tests every fault at each strength and appends a row of Markdown for each
 import assert from 'node:assert/strict';
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
@@ -16,20 +16,19 @@ const service = await createService('239.255.77.97');
 const GC_GROUP = '239.255.77.98';
 const gcPort = await freeUdpPort();
 service.settings.network.referee = { enabled: true, group: GC_GROUP, port: gcPort, interface: 'lo' };
-// Enough that some are always where both cameras look.
+// Enough robots that some are always in the overlap of both cameras.
 const ROBOTS = 11;
 for (const { source: to } of service.settings.cameras) Object.assign(to, { robots_yellow: ROBOTS, robots_blue: ROBOTS });
 
 const replace = (path, value) => ({ op: 'replace', path, value });
 const CAMERAS = [0, 1];
-const { calibration } = service.settings.cameras[0];
 const { classes } = service.settings.cameras[0].colors;
 const stack = ['segment', 'detect_robots', 'detect_balls', 'publish'];
 const without = (...labels) => [replace('/cameras/0/colors/classes', classes.filter(({ label }) => !labels.includes(label)))];
-/** Other colours for some labels of all cameras. */
+/** Changes the colours of some labels, for all cameras. */
 const recolored = (change) => CAMERAS.map((i) => replace(`/cameras/${i}/colors/classes`, classes.map((one) => ({ ...one, ...change(one) }))));
 const swapped = (a, b) => recolored(({ label }) => ({ label: label === a ? b : label === b ? a : label }));
-/** Hides the image of a camera from its left edge to this share of its width. */
+/** Hides a camera's image from its left edge to this share of its width. */
 const hidden = (share, i = 0) => [{ op: 'add', path: `/cameras/${i}/mask/exclude/-`, value: { points: [[-1, -1], [780 * share, -1], [780 * share, 581], [-1, 581]] } }];
 const source = (i, key, value) => replace(`/cameras/${i}/source/${key}`, value);
 const forAll = (key, value) => CAMERAS.map((i) => source(i, key, value));
@@ -37,7 +36,7 @@ const calibrated = (i, change) => {
   const now = service.settings.cameras[i].calibration;
   return Object.entries(change(now)).map(([key, value]) => replace(`/cameras/${i}/calibration/${key}`, value));
 };
-/** The camera's world, turned about an axis of the field: "z" is up. */
+/** The camera's pose with the world rotated about an axis of the field: "z" is up. */
 function turned(now, axis, degrees) {
   const [x, y, z, w] = [now.q0, now.q1, now.q2, now.q3];
   const s = Math.sin((degrees * Math.PI) / 360);
@@ -49,15 +48,15 @@ const lost = join(root, 'tests', 'the/camera/is/away.jpg');
 const DIVISION_A = { field_length: 12000, field_width: 9000, goal_width: 1800, boundary_width_goal_line: 600, penalty_area_depth: 1800, penalty_area_width: 3600, goal_center_to_penalty_mark: 8000 };
 const sizes = (change) => Object.entries(change).map(([key, value]) => replace(`/field/${key}`, value));
 
-// What is sent while a fault lasts.
+// Packets sent while a fault lasts.
 const GC = { yellow: ['', ROBOTS], blue: ['', ROBOTS] };
 const toVision = (...packets) => ({ group: service.settings.network.vision.group, port: service.settings.network.vision.port, packets });
 const toReferee = (...packets) => ({ group: GC_GROUP, port: gcPort, packets });
 const detecting = (...cameras) => toVision(...cameras.map(detectionOf));
 
-// Each fault: the check that must say so, ids of alerts of which one must name it, and the changes that make it, three
-// strengths of it from weak to strong. `fails`: from which strength on the field cannot play; 3: it is a warning.
-// `sent`: what is sent meanwhile, for each strength. `always`: looked at in every test, at its last strength.
+// Each fault: the check that must report it, alert ids of which one must name it, and the changes that cause it, at
+// three strengths from weak to strong. `fails`: the strength from which the field cannot play; 3: it only warns.
+// `sent`: packets sent meanwhile, for each strength. `always`: tested in every run, at its last strength.
 const one = [[0], [1], [0, 1]];
 const faults = [
   { name: 'a camera in the dark', always: true, check: 'robots', alerts: ['robots_lost'], fails: 0, strengths: [0.12, 0.08, 0.05].map((light) => [source(0, 'light', light)]) },
@@ -106,7 +105,7 @@ const faults = [
   { name: 'a team whose height is not known', check: 'teams', alerts: ['team_unknown'], fails: 3, sent: ['A', 'Nobody', 'Nobody knows us'].map((text) => toReferee(gameController({ ...GC, yellow: [text, ROBOTS] }))) },
 ];
 
-/** What the panel's own tests call pages: where an alert may lead. */
+/** Names of the panel's pages, from its router: where an alert may link to. */
 const PAGES = [...readFileSync(join(root, 'webui/src/router.ts'), 'utf8').matchAll(/\{ name: '(\w+)', title/g)].map(([, name]) => name);
 
 const status = async () => (await fetch(service.address('api/status'))).json();
@@ -121,15 +120,15 @@ const isGood = ({ checks, alerts, cameras }) => {
 };
 const robotsOf = ({ checks }) => checks.find(({ id }) => id === 'robots').value;
 let robots; // in view when all is well
-/** As many robots are seen as at first: what is lost from here on is missed. */
+/** Waits until all is well and as many robots are seen as at first, so that a later loss is noticed. */
 const becomesGood = () => becomes(status, (now) => isGood(now) && (robots === undefined || robotsOf(now) === robots), tell);
 
 let socket;
-// Only said by ./run verdict: other tests may keep the computer busy.
+// Checked only by ./run verdict: elsewhere other tests may load the computer.
 const NAMED_WITHIN_S = 5;
 const times_s = [];
-let extra = null; // {group, port, packets}: sent meanwhile
-/** The game controller, always there, and what a fault sends: again and again. */
+let extra = null; // {group, port, packets}: sent in addition
+/** Repeatedly sends the game controller's message and the packets of the current fault. */
 const sendAll = () => {
   const isController = extra?.port === gcPort;
   for (const { group, port, packets } of [...(isController ? [] : [toReferee(gameController(GC))]), ...(extra ? [extra] : [])]) {
@@ -146,7 +145,7 @@ describe('the verdict', () => {
     socket.setMulticastInterface('127.0.0.1');
     timer = setInterval(sendAll, 50);
     await service.start();
-    // The robots stand or drive where cameras see them; after eight seconds or more each was seen steadily.
+    // All robots are in view of the cameras; after eight seconds or more each has been seen steadily.
     robots = robotsOf(await becomes(status, (now) => isGood(now) && now.cameras.every(({ frames, fps }) => frames > 80 && fps > 1), tell));
     ({ settings } = await (await fetch(service.address('api/settings'))).json());
   });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A walk through the whole panel: every page of webui/src/router.ts, every address that their links lead to, and in each
-// all that its switches, tabs, steps and menus show. New pages are found by themselves.
+// Visits the whole panel: every page of webui/src/router.ts, every address that they link to, and in each everything
+// shown by its switches, tabs, steps and menus. New pages are found automatically.
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
 import { readFileSync } from 'node:fs';
@@ -15,32 +15,32 @@ export const sizes = [
 export const cameraCounts = [1, 2, 4, 8];
 export const nameOfSize = ({ width, height }) => `${width}x${height}`;
 
-/** Links whose address shows the same page, scrolled: pages where they are not followed. */
+/** Pages whose links only scroll: these links are not followed. */
 const SCROLLED = new Set(['api', 'diagnostics']);
 
-/** What shows something else on the same page when pressed. Buttons that change settings are in a ChangeArea. */
+/** Controls that show something else on the same page. Buttons that change settings are in a ChangeArea. */
 const SWITCHES = [
   '.seg button[aria-pressed="false"]', 'button[aria-expanded="false"]', '[role="tab"][aria-selected="false"]',
   '[data-testid^="step-"]:not([aria-current])', 'details:not([open]) > summary',
 ].map((selector) => `${selector}:not(:disabled):not(.change-area *)`);
 const DIALOGS = ['button[aria-haspopup="dialog"]:not(:disabled)'];
-/** What stands around every page, such as its menus and dialogs, is looked at on the first one. */
+/** Elements around every page, such as menus and dialogs, are checked on the first page only. */
 const switchesOf = (path) => (path === pageNames()[0] ? [...SWITCHES, ...DIALOGS] : SWITCHES.map((selector) => `main ${selector}`)).join(', ');
 
-/** The names of all pages in the router, the first being where a visitor lands. */
+/** Names of all pages in the router; the first is the landing page. */
 export function pageNames() {
   const source = readFileSync(join(root, 'webui/src/router.ts'), 'utf8');
   const [, list] = /export const pages[^=]*=\s*\[([\s\S]*?)\n\];/.exec(source);
   return [...list.matchAll(/\bname: '([^']+)'/g)].map(([, name]) => name);
 }
 
-/** Cameras of small images, calibrated, over the field of the demo: in one row, or two. */
+/** Calibrated cameras with small images over the demo's field, in one or two rows. */
 function camerasOver(count, [model]) {
   const HEIGHT_MM = 4000;
   const columns = count > 2 ? count / 2 : count;
   const rows = count > 2 ? 2 : 1;
   const [long, short] = [390, 290];
-  // Two and eight stand across the field, as real halves and eighths do; their images are turned by the panel.
+  // With two or eight cameras the images are across the field, as real halves and eighths are; the panel rotates them.
   const isAcross = count === 2 || count === 8;
   const [along, across] = isAcross ? [short, long] : [long, short];
   const focal = HEIGHT_MM / (1.1 * Math.max(9000 / columns / along, 6000 / rows / across));
@@ -59,14 +59,14 @@ function camerasOver(count, [model]) {
   });
 }
 
-/** A service with so many simulated cameras, at a rate that leaves processors to the browser. */
+/** A service with `count` simulated cameras, at a frame rate that leaves processors to the browser. */
 export async function serviceWith(count, group) {
   const service = await createService(group);
   service.settings.cameras = camerasOver(count, service.settings.cameras);
   return service;
 }
 
-/** A match that locks the settings, for a service that has not started. Gives what ends it. */
+/** A match that locks the settings, for a service that has not started. Returns a function that ends it. */
 export async function matchFor(service) {
   const port = await freeUdpPort();
   const group = '224.5.23.103';
@@ -83,7 +83,7 @@ export async function matchFor(service) {
   };
 }
 
-/** Waits until nothing of what is shown is still on its way. */
+/** Waits until everything on the page has loaded and been drawn. */
 export async function settled(page) {
   await page.waitForFunction(() => {
     const main = document.querySelector('main');
@@ -102,17 +102,17 @@ export async function goTo(page, path) {
   await settled(page);
 }
 
-/** Addresses that the shown page leads to; numbers stand for each other, as all cameras have the same pages. */
+/** Addresses that the current page links to; numbers become 0, as all cameras have the same pages. */
 async function linksOf(page) {
   const links = await page.$$eval('a[href^="#/"]', (all) => all.map((one) => one.getAttribute('href').slice(2)));
   return links.map((link) => link.replace(/\/\d+(?=\/|$)/g, '/0'));
 }
 
-/** What of the switches has not been looked at: pressed, it says what it is; '' when all are. */
+/** Clicks a switch that has not been checked yet and returns its name; '' if there is none. */
 function pressNext([selector, seen]) {
   const isShown = (element) => element.checkVisibility({ opacityProperty: true, visibilityProperty: true });
   const all = [...document.querySelectorAll(selector)].filter(isShown);
-  // The last first: it belongs to what the ones before it show.
+  // The last first: it may be part of what earlier ones show.
   for (const element of all.reverse()) {
     const group = element.closest('[role="group"][aria-label], section[aria-label], [aria-labelledby], nav[aria-label]');
     const around = group?.getAttribute('aria-label') ?? document.getElementById(group?.getAttribute('aria-labelledby') ?? '')?.textContent ?? '';
@@ -125,8 +125,8 @@ function pressNext([selector, seen]) {
 }
 
 /**
- * Looks at one address and at all that its switches show. `visit(what)` is told what was pressed, '' at first.
- * Menus and dialogs are closed before the next is opened. `isDeep`: else only at the address itself.
+ * Visits one address and everything its switches show. Calls `visit(name)` with the name of the clicked switch, first
+ * with ''. Menus and dialogs are closed before the next one. Unless `isDeep`, visits only the address itself.
  */
 export async function lookAround(page, path, isDeep, visit) {
   await page.evaluate(() => { location.hash = '#/'; });
@@ -160,7 +160,7 @@ export async function findPaths(page) {
       const [name, ...rest] = link.split('/');
       const path = rest.length ? link : name;
       if (!names.includes(name) || (rest.length && SCROLLED.has(name))) continue;
-      // The page of the first camera is what the bare address shows.
+      // The first camera's page is the same as the address without a number.
       if (/^[a-z]+\/0$/.test(path)) continue;
       found.add(path);
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What becomes of GigE cameras that restart, lose packets or send much, as tables in Markdown. The camera is
-// simulated and sends over loopback, on the processors that the daemon works on. Takes two minutes; arguments
-// choose among "restarts", "loss" and "five_megapixels".
+// Behaviour of GigE cameras that restart, lose packets or send large images, as tables in Markdown. The
+// camera is simulated and sends over loopback, on the same processors as the daemon. Takes two minutes;
+// arguments select "restarts", "loss" and "five_megapixels".
 #include "e2e/frame_numbers.h"
 #include "e2e/gige_scene.h"
 #include "e2e/running_daemon.h"
@@ -60,7 +60,7 @@ struct Bench {
   GroupListener listener;
   TemporaryFolder folder;
   Json settings = demo_settings(listener.port());
-  Json simulated;  // the same with the simulator in the GigE camera's place
+  Json simulated;  // the same with the simulator instead of the GigE camera
   std::optional<GigeScene> scene;
 };
 
@@ -77,7 +77,7 @@ SSL_DetectionFrame next_frame(GroupListener& listener) {
   }
 }
 
-/// Everything published in that time.
+/// Evaluates all frames published in that time.
 FrameCheck watch(const Bench& bench, double duration_s, int& frames) {
   GroupListener listener(bench.listener.port());
   FrameCheck out;
@@ -95,7 +95,7 @@ std::string median_and_worst(std::vector<double> values) {
   return fmt::format("median {:.2f}, worst {:.2f}", values[values.size() / 2], values.back());
 }
 
-/// The simulated camera beside it, while `happens` goes on.
+/// Statistics of the simulated camera 1 during `happens`, as table cells.
 template <class Happens>
 std::string other_camera(const Bench& bench, const RunningDaemon& daemon, Happens happens) {
   const auto skipped = [&] { return daemon.get("/api/status")["cameras"][1]["frames_dropped"].get<int>(); };
@@ -168,13 +168,13 @@ void loss() {
   }
 }
 
-/// Processor time of each thread so far, summed up by name.
+/// CPU time of each thread so far in s, summed by name.
 std::map<std::string, double> thread_times_s(pid_t pid) {
   std::map<std::string, double> out;
   for (const auto& task : std::filesystem::directory_iterator(fmt::format("/proc/{}/task", pid))) {
     std::ifstream file(task.path() / "stat");
     std::string line;
-    if (!std::getline(file, line)) continue;  // has ended
+    if (!std::getline(file, line)) continue;  // the thread has ended
     const auto open = line.find('('), close = line.rfind(')');
     std::istringstream rest(line.substr(close + 1));
     std::string skipped;

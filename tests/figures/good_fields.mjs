@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether the verdict leaves good fields alone: fields of many seeds, sizes, lights, carpets and numbers of cameras, set
-// up as an admin would, then watched. Prints a Markdown table; exit 1 when a field is not GO or warns of anything.
+// Checks that the verdict raises no false alarms: fields with many seeds, sizes, lights, carpets and numbers of
+// cameras, set up like an admin would, then watched. Prints a Markdown table; exit code 1 if a field is not GO or has a
+// warning.
 //   node good_fields.mjs [--fields 50] [--first 1] [--minutes 10] [--at-once 1] [--rate 10] [--drawn]
-// --drawn: images of the renderer of tests/halls, which the simulator does not share a line with, of one camera over one
-// half: that nobody looks at the other half may be said, and that robots are lost which drive there.
+// --drawn: images from the renderer of tests/halls, which shares no code with the simulator, of one camera over one
+// half. Alerts that the other half is uncovered, and that robots which drive there are lost, are then allowed.
 import { createSocket } from 'node:dgram';
 import { execFileSync } from 'node:child_process';
 import { once } from 'node:events';
@@ -22,18 +23,18 @@ const { values: options } = parseArgs({ options: {
 const [FIELDS, FIRST, MINUTES, AT_ONCE, RATE_HZ] = ['fields', 'first', 'minutes', 'at-once', 'rate'].map((name) => Number(options[name]));
 const GRIDS = { 1: [1, 1], 2: [2, 1], 3: [3, 1], 4: [2, 2], 6: [3, 2], 8: [4, 2] };
 const HEIGHT_MM = 4000, MM_SEEN_BESIDE = 350;
-// Of the coarser fields of the league. Two pixels of a Bayer image on each side make one of a colour.
+// The resolution of the league's coarser fields. Two by two pixels of a Bayer image make one colour pixel.
 const MM_PER_PX = { uyvy: 7.5, rgb24: 7.5, bayer_rg8: 3.75 };
-// A usual hall's own lamps are a third darker or brighter in each image, for learning to be tried with: no good field.
+// By default the lamps of a usual hall vary by a third per image, for tests of learning: not a good field.
 const LAMPS = { flicker_low: 0.95, flicker_high: 1.05 };
 const STAGE_PLAYED = 1, NORMAL_START = 2;
-// About this computer, not about the field: packets stay on it, and it runs several services at a time.
+// Caused by this computer, not the field: packets stay on it, and it runs several services at a time.
 const OF_THE_COMPUTER = new Set(['only_this_computer', 'frames_dropped', 'stage_slow', 'camera_slow']);
 const CHECKS_OF_THE_COMPUTER = new Set(['network', 'computer', 'clock', 'pictures', 'latency', 'cameras']);
 const DRAWN_FRAMES = 120;
 const MINUTE_MS = 60e3;
 
-/** Numbers by chance that are the same for the same seed (mulberry32). */
+/** Reproducible random numbers (mulberry32). */
 function chances(seed) {
   let state = seed * 0x9e3779b9;
   const next = () => {
@@ -47,24 +48,24 @@ function chances(seed) {
   return { between, whole: (low, high) => Math.floor(between(low, high + 1)), one: (list) => list[Math.floor(next() * list.length)] };
 }
 
-/** Its vector, turned by the unit quaternion [x, y, z, w]. */
+/** The vector rotated by the unit quaternion [x, y, z, w]. */
 function turned([x, y, z, w], [a, b, c]) {
   const t = [2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)];
   return [a + w * t[0] + y * t[2] - z * t[1], b + w * t[1] + z * t[0] - x * t[2], c + w * t[2] + x * t[1] - y * t[0]];
 }
 
-/** The cameras of a field: a grid of them looks straight down, a little beyond the carpet and into its neighbours' parts. */
+/** A grid of cameras that look straight down, each slightly beyond the carpet or into its neighbours' parts. */
 function camerasOf(chance, count, field, source, classes) {
   const [columns, rows] = GRIDS[count];
   const length = field.field_length + 2 * field.boundary_width_goal_line, width = field.field_width + 2 * field.boundary_width;
   const seen = [length / columns + 2 * MM_SEEN_BESIDE, width / rows + 2 * MM_SEEN_BESIDE];
-  // Even numbers, as formats of two pixels want.
+  // Even numbers, as required by formats with pixel pairs.
   const mmPerPx = MM_PER_PX[source.pixel_format];
   const [high, wide] = seen.map((mm) => 2 * Math.round(mm / mmPerPx / 2));
   const height = HEIGHT_MM * chance.between(0.95, 1.1);
   return Array.from({ length: count }, (_, id) => {
     const place = [((id % columns) + 0.5) * (length / columns) - length / 2, (Math.floor(id / columns) + 0.5) * (width / rows) - width / 2, height];
-    // Down, with the image's x along the field's y, and a little crooked, as cameras hang.
+    // Downwards, with the image's x axis along the field's y axis and a slight misalignment, as in real halls.
     const q = [Math.SQRT1_2 + chance.between(-1e-2, 1e-2), -Math.SQRT1_2 + chance.between(-1e-2, 1e-2), chance.between(-1e-2, 1e-2), chance.between(-1e-2, 1e-2)];
     const norm = Math.hypot(...q);
     const unit = q.map((one) => one / norm);
@@ -80,7 +81,7 @@ function camerasOf(chance, count, field, source, classes) {
   });
 }
 
-/** From a service of one field: its answers, its colours learnt, what its verdict says. */
+/** Operations on the service of one field: requests, learning colours, watching the verdict. */
 function adminOf(service) {
   const ask = async (path) => (await fetch(service.address(`api/${path}`))).json();
   let hasLearnt = false;
@@ -89,21 +90,22 @@ function adminOf(service) {
     async learnColors(id) {
       hasLearnt = true;
       const learning = async (method, path = '') => (await fetch(service.address(`api/cameras/${id}/colors/learning${path}`), { method })).json();
-      // Again, as an admin would, until there are robots before this camera.
+      // Retry until robots are in view of this camera, as an admin would.
       await becomes(async () => {
         await learning('POST');
         return becomes(() => learning('GET'), ({ state }) => state === 'done' || state === 'failed');
       }, ({ state, report }) => state === 'done' && report.learnt);
       await learning('POST', '/accept');
     },
-    /** What is said against it from GO on, or from when an admin would wait no longer for it: `said`, with how often. */
+    /** Collects what the verdict says against the field after GO (or after an admin's patience): `said`, with
+     * counts. */
     async watch(isExpected = () => false) {
-      // What was wrong with the colours before they were learnt is told of the last minute's images.
+      // Colour problems from before the learning are still reported for the images of the last minute.
       if (hasLearnt) await pause(MINUTE_MS);
       const until = Date.now() + 15_000;
       while (Date.now() < until && (await ask('status')).checks.some(({ state }) => state === 'fail')) await pause(500);
       await pause(8000);
-      const said = new Map(), busy = new Set();  // said: what by which alert, of which camera
+      const said = new Map(), busy = new Set();  // said: text by alert id and camera
       const count = (which, what) => said.set(which, { what, times: (said.get(which)?.times ?? 0) + 1 });
       let looks = 0;
       for (const end = Date.now() + MINUTES * MINUTE_MS; Date.now() < end; await pause(1000)) {
@@ -131,14 +133,14 @@ function row(text, { said, busy, looks }) {
 
 const notSetUp = (error) => ({ said: new Map([['', { what: `not set up: ${error.message.slice(0, 300)}`, times: 1 }]]), busy: new Set(), looks: 0 });
 
-/** A field of the simulator; whether nothing was said against it. */
+/** Watches a simulated field; returns whether nothing was said against it. */
 async function watchSimulated(seed) {
   const chance = chances(seed);
   const service = await createService(`239.255.78.${seed % 250}`);
   const count = chance.one(Object.keys(GRIDS).map(Number));
   const preset = chance.one(['division-a', 'division-b']);
   const kind = chance.one(['plain', 'plain', 'usual']);
-  // Brighter, a usual hall's boards and lines are over-exposed, and an admin sets the exposure.
+  // Brighter light would over-expose a usual hall's boards and lines; an admin would then set the exposure.
   const light = chance.between(0.7, 1.2);
   const robots = chance.whole(3, preset === 'division-a' ? 11 : 6);
   const match = chance.one(['nobody', 'before', 'played']);
@@ -152,7 +154,7 @@ async function watchSimulated(seed) {
   socket.setMulticastInterface('127.0.0.1');
   const team = ['', robots];
   const packet = gameController({ yellow: team, blue: team, ...(match === 'played' ? { stage: STAGE_PLAYED, command: NORMAL_START } : {}) });
-  // Settings are locked once it is played.
+  // Starts after the setup: settings are locked once the match is played.
   const beginMatch = () => match === 'nobody' ? null : setInterval(() => socket.send(packet, gcPort, service.settings.network.referee.group), 100);
   let seen, sending = null;
   try {
@@ -181,15 +183,15 @@ async function watchSimulated(seed) {
   return row(text, seen);
 }
 
-/** Names of robots, "yellow 8", that a drawn recording does not show all the time. */
+/** Names of robots ("yellow 8") that are not always visible in a drawn recording. */
 function leavingRobots(folder) {
   const frames = readFileSync(join(folder, 'truth.jsonl'), 'utf8').trim().split('\n').map((line) => JSON.parse(line));
   return new Set(frames.flatMap(({ robots }) => robots.filter(({ visible }) => !visible).map(({ team, id }) => `${team} ${id}`)));
 }
-/** "yellow 0, 3 and blue 7 are no longer seen": those that are named. */
+/** The robots named in a title such as "yellow 0, 3 and blue 7 are no longer seen". */
 const namedIn = (title) => [...title.split(/ (?:is|are) /)[0].matchAll(/(yellow|blue) ([\d, ]+)/g)].flatMap(([, team, ids]) => ids.split(',').map((id) => `${team} ${Number(id)}`));
 
-/** A hall of the other renderer; whether nothing was said against it but that half of it is not looked at. */
+/** Watches a hall of the other renderer; returns whether only the uncovered half was reported. */
 async function watchDrawn(seed) {
   const chance = chances(seed);
   const [kind, size, format] = [chance.one(['usual', 'usual', 'hard']), chance.one(['A', 'B']), chance.one(['uyvy', 'rgb24', 'bayer_rg8'])];

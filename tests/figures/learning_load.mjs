@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// What learning colours costs the pipeline: its latency with and without a learning that never ends, from the packets
-// that teams get (t_sent - t_capture). Prints a Markdown table.
+// The cost of learning colours for the pipeline: its latency with and without continuous learning, measured from the
+// packets to the teams (t_sent - t_capture). Prints a Markdown table.
 //   node learning_load.mjs [seconds of each block; default 10]
 import { setTimeout as pause } from 'node:timers/promises';
 import { createService } from '../e2e/service.mjs';
 import { largerCamera, missing, percentile, receivePackets } from './packets.mjs';
 
 const BLOCK_S = Number(process.argv[2] ?? 10);
-/** As the panel does. */
+/** The panel's polling interval. */
 const POLL_MS = 500;
-const ROUNDS = 6; // of a block without, one with, and one without again, so that the machine's moods hit all
+const ROUNDS = 6; // each: without, with, without; interleaved so that drift of the machine affects all
 
 const service = await createService('239.255.77.91');
 service.settings.cameras = [largerCamera(service.settings.cameras[0])];
@@ -21,7 +21,7 @@ const learning = async (method, path = '') => {
   return answer.json();
 };
 
-/** Learns again and again until told to end; how often it did. */
+/** Learns continuously; the returned function stops it and resolves to the number of runs. */
 function learner() {
   let ending = false;
   const done = (async () => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pipeline's latency as teams see it: from t_capture to t_sent of the packets that they get.
+// The pipeline's latency as seen by teams: t_sent - t_capture of the packets received.
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
 import { setTimeout as pause } from 'node:timers/promises';
@@ -20,10 +20,10 @@ export function largerCamera(camera) {
 }
 
 export const percentile = (values, share) => [...values].sort((a, b) => a - b)[Math.min(values.length - 1, Math.floor(values.length * share))];
-/** Frames whose packets are missing in a block of one camera. */
+/** Number of missing packets in a block of one camera. */
 export const missing = (block) => block.slice(1).reduce((sum, frame, i) => sum + Math.max(0, frame.number - block[i].number - 1), 0);
 
-/** Listens to a service's packets; `block` collects those of so many seconds: {camera, number, latencyMs}. */
+/** Receives a service's packets; `block` collects them for so many seconds: {camera, number, latencyMs}. */
 export async function receivePackets(service) {
   let frames = [];
   const { group, port } = service.settings.network.vision;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What viewers and idle connections cost: the pipeline's latency with and without them, from the packets that teams
-// get (t_sent - t_capture), and how fast the interface answers. Prints a Markdown table.
+// The cost of viewers and idle connections: the pipeline's latency with and without them, measured from the packets to
+// the teams (t_sent - t_capture), and the API's response time. Prints a Markdown table.
 //   node panel_load.mjs [seconds of each block; default 10]
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
@@ -12,7 +12,7 @@ import { createService } from '../e2e/service.mjs';
 import { largerCamera, missing, percentile, receivePackets } from './packets.mjs';
 
 const BLOCK_S = Number(process.argv[2] ?? 10);
-const ROUNDS = 6; // of a block without and a block with viewers in turn, so that the machine's moods hit both
+const ROUNDS = 6; // each: without and with viewers; interleaved so that drift of the machine affects both
 const VIEWERS = 20;
 const PREVIEW = { camera: 0, width: 640, quality: 70, fps: 30 };
 
@@ -29,11 +29,11 @@ async function watched(seconds) {
   const seen = await block(seconds);
   viewers.stdin.end();
   const { value } = await lines.next();
-  await pause(500); // what is on its way to them ends
+  await pause(500); // lets pending transfers finish
   return { seen, ...JSON.parse(value) };
 }
 
-// ---- the interface's answers
+// ---- response times
 
 async function answers(count) {
   const times = [];
@@ -55,7 +55,7 @@ async function idleConnections(count) {
   return sockets;
 }
 
-/** Asks for a stream of pictures and never reads it. */
+/** Requests an image stream and never reads it. */
 function slowReader() {
   const socket = connect(service.settings.panel.port, '127.0.0.1');
   socket.pause();
@@ -72,7 +72,7 @@ try {
   await service.statusBecomes(({ cameras }) => cameras[0].frames > 300);
 
   const without = [], withViewers = [];
-  const worst = { without: [], withViewers: [] }; // p99 of each block: how much it wavers by itself
+  const worst = { without: [], withViewers: [] }; // p99 of each block: shows its natural variation
   let pictures = 0, lost = 0, lostWith = 0, jpegsWithout = 0;
   for (let round = 0; round < ROUNDS; round++) {
     const before = await encoded();

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// How late the panel's live picture is: from capture to the paint in Chromium, on loopback and through a link of 8 Mbit/s.
+// Latency of the panel's live image: from capture to the paint in Chromium, on loopback and through a link of 8 Mbit/s.
 //   node tests/figures/preview_latency.mjs [seconds each, 15]
-// Prints Markdown; exit 1 when a limit is missed. Environment: SSLV_DAEMON, SSLV_CHROMIUM. Not among the tests: it measures the machine too.
+// Prints Markdown; exit code 1 if a limit is exceeded. Environment: SSLV_DAEMON, SSLV_CHROMIUM.
+// Not part of the tests, as it also measures the machine.
 import { readdirSync, readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { loadavg } from 'node:os';
@@ -19,7 +20,8 @@ const LINK_KBPS = 8000;
 const FIRST_PICTURE_MS = 2000;
 const FIRST_LOAD_BYTES = 120e3;
 
-/** In the page, before its own code: notes when each picture was taken, and when it was painted. Service and browser share a clock here. */
+/** Runs in the page before its own code: records the capture and paint times of each image. Service and browser
+ * share a clock. */
 function watchPictures() {
   const taken = new Map();
   window.pictures = [];
@@ -40,7 +42,7 @@ function watchPictures() {
   new MutationObserver((changes) => {
     for (const { target } of changes) {
       const frame = target.dataset.frame;
-      // The task after the paint of this very frame.
+      // The task after the paint of this frame.
       setTimeout(() => {
         const captured = taken.get(frame);
         if (captured !== undefined) window.pictures.push({ at: performance.now(), delayMs: Date.now() - captured * 1000, width: target.width });
@@ -59,7 +61,7 @@ async function measure(browser, address) {
   await page.goto(address('#/camera/0'));
   await page.waitForFunction(() => window.pictures.length > 0);
   const firstMs = await page.evaluate(() => window.pictures[0].at);
-  // The page settles: settings, first adaptation.
+  // Lets the page settle: settings, first adaptation.
   await pause(3000);
   await page.evaluate(() => { window.pictures.length = 0; window.bytes = 0; window.from = performance.now(); });
   await pause(SECONDS * 1000);
@@ -75,7 +77,7 @@ async function measure(browser, address) {
 
 function firstLoadBytes() {
   const dist = join(root, 'webui/dist');
-  // What the Camera page loads: the start and its own part; other pages' parts come when they are opened.
+  // The files that the Camera page loads: the entry and its own chunk; other pages' chunks load when they are opened.
   const needed = readdirSync(join(dist, 'assets')).filter((file) => /^(index|CameraPage)-.*\.(js|css)$/.test(file)).map((file) => join('assets', file));
   return ['index.html', 'theme.js', ...needed].reduce((sum, file) => sum + gzipSync(readFileSync(join(dist, file))).length, 0);
 }

@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sheets of how every page looks on every size of screen: docs/images/sheets and docs/screens.md, which shows them.
-//   node tests/figures/sheets.mjs [PAGE...]    all, or only pages whose addresses begin so
+// Sheets of every page's appearance at every screen size: docs/images/sheets and docs/screens.md, which shows them. Also
+// docs/images/overview.jpg, for README.
+//   node tests/figures/sheets.mjs [PAGE...]    all pages, or only those whose address begins with a PAGE
 // Environment: see tests/e2e/service.mjs and browser.mjs.
 import { mkdirSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { chooseTheme, createBrowser, live, launch, phone } from '../e2e/browser.mjs';
-import { becomes, root } from '../e2e/service.mjs';
+import { chooseTheme, createBrowser, DESKTOP, live, launch, phone } from '../e2e/browser.mjs';
+import { becomes, createService, root } from '../e2e/service.mjs';
 import { goTo, nameOfSize, pageNames, serviceWith, settled, sizes } from '../e2e/walk.mjs';
+import { readSums, sumOf, sumsFile } from '../images.mjs';
 
 const MOST_BYTES = 200_000;
 const CAMERAS = 4;
 const folder = join(root, 'docs/images/sheets');
 
-/** Besides the pages of the router: what their links and switches show. */
+/** Views in addition to the router's pages, reached by their links and switches. */
 const besides = [
   { path: 'overview', cameras: 0 }, { path: 'camera', cameras: 0 }, { path: 'overview', cameras: 1 }, { path: 'overview', cameras: 2 }, { path: 'overview', cameras: 8 }, { path: 'camera', cameras: 8 },
   { path: 'calibration', press: 'mode-together' }, { path: 'calibration', press: 'mode-masks' },
@@ -27,7 +29,7 @@ const views = [...pageNames().map((path) => ({ path })), ...besides]
   .map((view) => ({ ...view, name: [view.path.replace(/\W+/g, '-'), view.press, view.cameras === CAMERAS ? '' : `${view.cameras}-cameras`].filter(Boolean).join('-') }));
 const all = views.filter(({ name }) => !wanted.length || wanted.some((start) => name.startsWith(start)));
 
-/** A log and a clip that the pages of recordings show. The clip's name. */
+/** Makes a log and a clip for the recordings pages; returns the clip's name. */
 async function record(service) {
   const ask = async (path, body) => (await fetch(service.address(`api/recordings${path}`), body && { method: 'POST', body: JSON.stringify(body) })).json();
   await ask('/match-log', { record: true, name: 'warm-up' });
@@ -43,7 +45,7 @@ async function showClip(page, name) {
   await page.waitForSelector('[data-testid="played-picture"][data-place]');
 }
 
-/** One image of several: each at the same scale, with its size below. JPEG, as small as it must be. */
+/** Combines several screenshots at the same scale, each with its size below. JPEG, compressed to the size limit. */
 async function sheet(browser, shots) {
   const context = await browser.newContext({ viewport: { width: 1800, height: 800 } });
   const page = await context.newPage();
@@ -58,6 +60,26 @@ async function sheet(browser, shots) {
     }
   } finally {
     await context.close();
+  }
+}
+
+/** The landing page with the demo's two cameras, as README shows it: graphs need half a minute. */
+async function overview() {
+  const service = await createService('239.255.77.129');
+  for (const { source } of service.settings.cameras) source.frame_rate_hz = 30;
+  const { openPage, open, close } = createBrowser(service, { hz: 30 });
+  await open();
+  try {
+    const { page } = await openPage(DESKTOP);
+    await page.goto(service.address(''));
+    await live(page);
+    await chooseTheme(page, 'dark');
+    const { uptime_s } = await service.statusBecomes(() => true);
+    await service.statusBecomes((status) => status.uptime_s > uptime_s + 30);
+    await settled(page);
+    return await page.screenshot({ type: 'jpeg', quality: 88 });
+  } finally {
+    await close();
   }
 }
 
@@ -99,11 +121,15 @@ for (const { name } of all) {
   writeFileSync(join(folder, `${name}.jpg`), image);
   console.log(`${name}.jpg ${image.length} bytes`);
 }
+if (all.some(({ name }) => name === 'overview')) writeFileSync(join(root, 'docs/images/overview.jpg'), await overview());
 await browser.close();
+const isMade = (page) => views.filter(({ path }) => path.split('/')[0] === page).every((view) => all.includes(view));
+writeFileSync(sumsFile, `${JSON.stringify({ ...readSums(), ...Object.fromEntries(pageNames().filter(isMade).map((page) => [page, sumOf(page)])) }, null, 1)}\n`);
 
 const title = ({ path, press, cameras }) => `${[path, press?.replace(/^(mode|show)-/, '')].filter(Boolean).join(', ')}${cameras === CAMERAS ? '' : `, ${cameras || 'no'} camera${cameras === 1 ? '' : 's'}`}`;
 const everything = views.filter(({ name }) => readdirSync(folder).includes(`${name}.jpg`));
 writeFileSync(join(root, 'docs/screens.md'), `# Every page at every size of screen
-With ${CAMERAS} simulated cameras where nothing else is said. \`./run sheets\` makes these images and this page.
+Sizes: ${sizes.map(nameOfSize).join(', ')}. With ${CAMERAS} simulated cameras unless the title says
+otherwise. \`./run sheets\` makes these images and this page.
 
-${everything.map((view) => `## ${title(view)}\n![${title(view)} at ${sizes.map(nameOfSize).join(', ')}](images/sheets/${view.name}.jpg)\n`).join('\n')}`);
+${everything.map((view) => `## ${title(view)}\n![${title(view)}](images/sheets/${view.name}.jpg)\n`).join('\n')}`);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hours in the hall, in short: four cameras, viewers that come and go, settings and colours that are changed, a camera
-// that is opened again and again. Whether anything grows, and whether a frame is lost. Prints a Markdown table; exit 1
-// when something does.
+// Long operation in a hall, condensed: four cameras, viewers that connect and disconnect, changes of settings and
+// colours, a camera that is reopened repeatedly. Does anything grow, is a frame lost? Prints a Markdown table; exit
+// code 1 if so.
 //   node soak.mjs [--minutes 10] [--rate 60]
 import { readdirSync, readFileSync } from 'node:fs';
 import { setTimeout as pause } from 'node:timers/promises';
@@ -14,9 +14,9 @@ const { values: options } = parseArgs({ options: { minutes: { type: 'string', de
 const MINUTES = Number(options.minutes), RATE_HZ = Number(options.rate);
 const MOST_GROWTH = 0.01;
 const SAMPLE_MS = 2000;
-/** The camera that is opened again and again; the others must not notice. */
+/** The camera that is reopened repeatedly; the others must not be affected. */
 const RESTLESS = 3;
-// Long enough for the settings' history, the log and the timeline to be as large as they become.
+// Long enough for the settings' history, the log and the timeline to reach their full size.
 const WARM_UP = 0.4;
 
 const service = await createService('239.255.77.93');
@@ -43,7 +43,7 @@ const counts = { viewers: 0, pictures: 0, edits: 0, strokes: 0, reopenings: 0 };
 let ending = false;
 const untilTheEnd = async (work) => { while (!ending) await work(); };
 
-/** Five of them, each for a second or two, of every kind of picture. */
+/** Five viewers, each connected for a second or two, alternating between the kinds of image. */
 const viewers = (which) => untilTheEnd(async () => {
   const kinds = ['camera', 'labels'];
   const viewer = await openViewer(service.settings.panel.port, { camera: which % 4, width: 640, quality: 70, fps: 15, picture: kinds[counts.viewers % 2], regions: true });
@@ -74,7 +74,7 @@ const reopenings = () => untilTheEnd(async () => {
   await pause(3000);
 });
 
-/** Frames of each camera that teams did not get. */
+/** Number of frames of each camera that did not reach the teams. */
 function missingFrames(frames) {
   const last = new Map(), missing = [0, 0, 0, 0];
   for (const { camera, number } of frames) {
@@ -110,7 +110,7 @@ try {
   console.log(`Four cameras, 1280 x 1024, ${RATE_HZ} Hz, ${MINUTES} min: ${counts.viewers} viewers came and went (${counts.pictures} pictures), ${counts.edits} changes of settings, ${counts.strokes} of a colour table, ${counts.reopenings} reopenings of camera ${RESTLESS}\n`);
   console.log('| | after the warm-up | at the end | growth | within 1 % |\n|---|---:|---:|---:|---|');
   for (const [key, unit] of [['memory', ' kB'], ['threads', ''], ['descriptors', '']]) {
-    // Connections come and go: how many descriptors and threads stay is the least that is seen.
+    // Connections come and go, so the minimum shows how many descriptors and threads remain.
     const measure = key === 'memory' ? mean : least;
     const first = measure(settled.slice(0, third), key), last = measure(settled.slice(-third), key);
     const growth = last / first - 1;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// From pixels to tracks: four simulated cameras that do not hang where their calibrations say, take images at different
-// moments, with clocks that are off and jitter, and lose images. Prints what tracks are off, what cameras differ by, and
-// what the field's stack costs the cameras' packets.
+// From pixels to tracks: four simulated cameras with poses that differ from their calibrations, different capture
+// times, clock offsets and jitter, and lost images. Prints the tracks' errors, the cameras' disagreement, and the
+// latency that the field's stack adds to the cameras' packets.
 //   node tracks.mjs [--seconds 60] [--seed 1] [--rate 75] [--robots 11] [--stretches 8]
 import { execFileSync } from 'node:child_process';
 import { join } from 'node:path';
@@ -18,7 +18,7 @@ const { values: options } = parseArgs({
 const CTL = process.env.SSLV_CTL ?? join(root, 'build/release/bin/ssl-visionctl');
 const GROUP = '239.255.77.79';
 
-/** Of each camera: mm, degrees, share of the time between two images, ms. */
+/** Per camera, in mm, degrees, fraction of the frame interval, ms. */
 const ERRORS = [
   { moved_x_mm: 1.4, moved_y_mm: -0.6, turned_deg: 0.02, phase: 0, time_offset_ms: 0.3, time_jitter_ms: 0.2, drop_share: 0.02 },
   { moved_x_mm: -0.9, moved_y_mm: 1.1, turned_deg: -0.01, phase: 0.3, time_offset_ms: -0.4, time_jitter_ms: 0.2, drop_share: 0.02 },
@@ -26,7 +26,7 @@ const ERRORS = [
   { moved_x_mm: 1, moved_y_mm: 0.8, turned_deg: -0.02, phase: 0.8, time_offset_ms: -0.1, time_jitter_ms: 0.2, drop_share: 0.02 },
 ];
 
-/** Over a quarter of a field of 9 x 6 m, half a metre more on each side, looking down. */
+/** A camera looking down on a quarter of a 9 x 6 m field, with a margin of half a metre on each side. */
 function cameraOf(model, id) {
   const [x, y, z] = [id >> 1 ? 2250 : -2250, id & 1 ? 1500 : -1500, 4000];
   return {
@@ -51,19 +51,19 @@ const ctl = (...words) => execFileSync(CTL, ['--daemon', service.address('').rep
 try {
   await service.start();
   await service.statusBecomes(({ cameras }) => cameras.length === 4 && cameras.every(({ state }) => state === 'running'));
-  await pause(20_000); // until cameras have been brought together
+  await pause(20_000); // until the cameras' clocks are aligned
   console.log(`Four simulated cameras of 780 x 580, ${options.rate} Hz, ${2 * Number(options.robots)} robots, seed ${options.seed}, ${options.seconds} s:\n`);
   console.log(ctl('score', '--tracks', options.seconds));
   console.log(ctl('field', 'agreement'));
   console.log(ctl('field').split('\n').slice(-12).join('\n'));
 
-  // The same cameras, with the field's stack and without, by turns.
+  // The same cameras with and without the field's stack, alternating.
   const [STACK, NONE] = [['gather', 'clocks', 'agreement', 'track', 'publish'], []];
   const p99 = { with: [], without: [] };
   for (let i = 0; i < Number(options.stretches); ++i) {
     const way = i % 2 ? 'without' : 'with';
     ctl('settings', 'set', '/field/stack', JSON.stringify(i % 2 ? NONE : STACK));
-    await pause(12_000); // all of the last 512 images are of this stretch
+    await pause(12_000); // then the last 512 images are all from this stretch
     for (const camera of JSON.parse(ctl('cameras', '--json'))) p99[way].push(camera.latency_ms.p99 * 1000);
   }
   const middle = (list) => [...list].sort((a, b) => a - b)[list.length >> 1];

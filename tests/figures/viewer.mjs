@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A viewer of the panel's pictures without a browser: RFC 6455 as far as that needs it.
+// A viewer of the panel's images without a browser: the necessary part of RFC 6455.
 import { once } from 'node:events';
 import { connect } from 'node:net';
 
@@ -10,7 +10,7 @@ function sendText(socket, message) {
   socket.write(Buffer.concat([head, Buffer.alloc(4), body])); // a mask of zeros
 }
 
-/** Cuts what comes into whole frames: {opcode, payload}. */
+/** Splits the received bytes into complete frames: {opcode, payload}. */
 function frames(onFrame) {
   let rest = Buffer.alloc(0);
   return (bytes) => {
@@ -28,7 +28,7 @@ function frames(onFrame) {
   };
 }
 
-/** Looks at one camera until end() is called; acknowledges each picture when it has come, as the panel does. */
+/** Views one camera until end() is called; acknowledges each image on arrival, like the panel. */
 export async function openViewer(port, preview) {
   const socket = connect(port, '127.0.0.1');
   await once(socket, 'connect');

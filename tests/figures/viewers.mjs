@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// So many viewers of one camera in a process that gets the processor last: real ones sit at other computers.
+// COUNT viewers of one camera in a process of lowest priority: real ones run on other computers.
 //   node viewers.mjs PORT COUNT PREVIEW_JSON
-// Writes {"pictures": ..., "bytes": ...} of all of them together when its input ends.
+// Writes `{"pictures": ..., "bytes": ...}`, the totals of all viewers, when its input ends.
 import { setPriority } from 'node:os';
 import { openViewer } from './viewer.mjs';
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer: whatever a file holds, it is a backup whose files have a limit together, or one line. What is in
-// a backup is read as far as that goes without a service. The first byte tells what the rest is: a file as it
-// is, a tar that is packed first, or the JSON of one of a backup's files, whose sums are right. ./run
-// test-long
+// libFuzzer: any file is either read as a backup of limited total size or refused with a one-line error. The
+// backup's contents are parsed as far as possible without a service. The first byte selects how the rest is
+// used: a file as it is, a tar that is compressed first, or the JSON of one file in a backup with correct
+// checksums. ./run test-long
 #include "base/error.h"
 #include "base/sha256.h"
 #include "fuzz/expect.h"
@@ -50,7 +50,7 @@ std::string with_right_sums(const char* name, std::string_view content) {
   return tar_gz(files, 0);
 }
 
-/// Refused with one line, or taken.
+/// Runs `read`, which must succeed or throw SettingsError with a one-line message.
 void try_out(const auto& read) {
   try {
     read();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer: whatever a file holds, a clip's reader gives images of the size it says, or one line. The first
-// byte tells whether checksums are put right first, so that what stands behind them is reached; the rest is
-// the file. ./run test-long
+// libFuzzer: for any file, a clip's reader returns images of the stated size or throws a one-line error. The
+// first byte selects whether checksums are corrected first, so that the code behind them is reached; the rest
+// is the file. ./run test-long
 #include "clips/clip_format.h"
 #include "clips/clip_reader.h"
 #include "fuzz/expect.h"
@@ -21,11 +21,11 @@
 
 namespace sslv {
 
-unsigned seen = 0;  // what the compiler must not leave out
+unsigned seen = 0;  // keeps the compiler from removing the reads
 
 namespace {
 
-/// As far as blocks follow each other.
+/// Corrects the checksums of all consecutive blocks.
 void repair_sums(std::span<std::byte> file) {
   if (file.size() < kClipHeadBytes) return;
   std::ranges::copy(clip_head(), file.begin());
@@ -67,7 +67,7 @@ void read_all(const std::string& name, std::size_t file_bytes) {
   std::size_t of_cameras = 0;
   for (const ClipReader::Camera& camera : reader.cameras()) of_cameras += camera.frames.size();
   expect(of_cameras == reader.entries().size(), "a frame of no camera");
-  // By time, but for a camera's frames after a clock was set back.
+  // Ordered by time, except a camera's frames after its clock was set back.
   std::map<std::uint32_t, double> latest_s;
   double before_s = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < reader.entries().size(); ++i) {

@@ -6,7 +6,7 @@
 
 namespace sslv {
 
-/// What a fuzzing program is to find: that something does not hold.
+/// Aborts with `what` unless `holds`; libFuzzer reports that as a finding.
 inline void expect(bool holds, const char* what) {
   if (holds) return;
   std::fprintf(stderr, "%s\n", what);

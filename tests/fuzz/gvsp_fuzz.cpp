@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer: whatever packets come as a GigE camera's images, those that pass the kernel's filters make the
-// library take little memory and write within its buffers; and whatever it then says of an image, what is
-// taken for one lies in its buffer. An input is a byte that tells how large buffers and packets are, and then
-// packets, each behind two bytes of length; or, where that byte is odd, what is said of images. ./run
-// test-long
+// libFuzzer: for any packets sent as a GigE camera's images, those that pass the kernel's filters make the
+// library allocate little memory and write only into its buffers; and for any properties it then reports of
+// an image, an accepted image lies within its buffer. An input is a byte that selects the sizes of buffers
+// and packets, then packets, each preceded by a length of two bytes; if that byte is odd, the reported image
+// properties instead. ./run test-long
 #include "capture/aravis/aravis_images.h"
 #include "capture/aravis/gvsp_door.h"
 #include "fuzz/expect.h"
@@ -19,7 +19,7 @@
 
 namespace sslv {
 
-unsigned seen = 0;  // what the compiler must not leave out
+unsigned seen = 0;  // keeps the compiler from removing the reads
 
 namespace {
 
@@ -32,8 +32,8 @@ std::optional<std::uint32_t> number_at(Bytes bytes, std::uint64_t at, std::size_
   return number;
 }
 
-/// As the kernel runs a filter over a packet, of which `bytes` are what the socket sees. `network`: where its
-/// IP header lies among these, or behind them.
+/// Runs a filter like the kernel. `bytes`: the packet as seen by the socket; `network`: its IP header, for
+/// loads relative to SKF_NET_OFF.
 bool passes(const GvspFilter& filter, Bytes bytes, Bytes network) {
   std::uint32_t a = 0, x = 0;
   for (std::size_t i = 0; i < filter.size(); ++i) {
@@ -73,7 +73,7 @@ bool passes(const GvspFilter& filter, Bytes bytes, Bytes network) {
   return false;
 }
 
-/// What the library does with the numbers of a packet, as far as memory goes.
+/// Checks the memory effects of the library's use of a packet's numbers.
 void check_numbers(Bytes gvsp, const GvspBounds& bounds) {
   expect(gvsp.size() >= 8, "a packet without a header");
   const bool is_extended = (gvsp[4] & 0x80) != 0;
@@ -81,7 +81,7 @@ void check_numbers(Bytes gvsp, const GvspBounds& bounds) {
   expect(gvsp.size() >= header, "a packet without an extended header");
   const std::uint32_t id = is_extended ? *number_at(gvsp, 16, 4) : *number_at(gvsp, 4, 4) & 0xffffff;
   const std::size_t data = gvsp.size() - header;
-  const bool is_gone = (gvsp[0] & 0x80) != 0;  // of which only the header is read
+  const bool is_gone = (gvsp[0] & 0x80) != 0;  // error status: only the header is read
   expect(bounds.packet_bytes > 28 + header, "a packet where none fits");
   const std::size_t block = bounds.packet_bytes - 28 - header;
   const std::size_t most_packets = 4 * (bounds.buffer_bytes / (block > 8 ? block - 8 : 1) + 64);
@@ -115,7 +115,7 @@ void check_numbers(Bytes gvsp, const GvspBounds& bounds) {
 }
 
 void look_through_door(Bytes packet, const GvspBounds& bounds, const GvspFilter& udp, const GvspFilter& raw) {
-  // Behind a header of UDP whose length is right: the kernel sees to that.
+  // Prepends a UDP header with a correct length, which the kernel ensures.
   std::vector<std::uint8_t> datagram(8);
   datagram.insert(datagram.end(), packet.begin(), packet.end());
   datagram[4] = static_cast<std::uint8_t>(datagram.size() >> 8);
@@ -129,7 +129,7 @@ void look_through_door(Bytes packet, const GvspBounds& bounds, const GvspFilter&
   ip[12] ^= 1;
   expect(!passes(udp, datagram, ip), "a packet of another address");
 
-  // All of it, whatever stands in its headers.
+  // The input as a whole frame, with any headers.
   if (passes(raw, packet, {})) {
     expect(packet.size() >= ETH_HLEN + 28, "a packet without headers");
     const std::size_t length = *number_at(packet, ETH_HLEN + 2, 2);
@@ -138,7 +138,7 @@ void look_through_door(Bytes packet, const GvspBounds& bounds, const GvspFilter&
     expect(*number_at(packet, ETH_HLEN + 22, 2) == bounds.port, "a packet to another port");
     check_numbers(packet.subspan(ETH_HLEN + 28, length - 28), bounds);
   }
-  // And with headers that are right.
+  // And with correct headers.
   ip[12] ^= 1;
   std::vector<std::uint8_t> frame(12);
   frame.insert(frame.end(), {0x08, 0x00});
@@ -153,7 +153,7 @@ void look_through_door(Bytes packet, const GvspBounds& bounds, const GvspFilter&
   expect(passes(raw, frame, {}) == passes_udp, "two doors that differ");
 }
 
-/// Of the claims, which are what an attacker says; nothing is behind the buffer.
+/// `input`: the claimed properties of an image, chosen by an attacker. The buffer has no slack at its end.
 void look_at_picture(Bytes input) {
   struct {
     std::uint16_t allocated, came;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer: whatever packets come beside those of a GigE camera, in its name, its images go on and none
-// shows what does not belong to it. All the way through the library, over loopback. An input is packets one
-// after the other, each behind a byte that tells how it is made: as it is, or a leader, a trailer, a block or
-// a piece with numbers of the bytes that follow; and two bytes of length. ./run test-long
+// libFuzzer: for any packets sent beside a GigE camera's, with its address, the camera's images keep arriving
+// and none shows foreign memory. Uses the whole library, over loopback. An input is a sequence of packets,
+// each preceded by a byte that selects its form (as it is, or a leader, trailer, block or piece with numbers
+// from the following bytes) and a length of two bytes. ./run test-long
 #include "base/clock.h"
 #include "capture/aravis/aravis.h"
 #include "fuzz/expect.h"
@@ -17,7 +17,7 @@
 
 namespace sslv {
 
-unsigned seen = 0;  // what the compiler must not leave out
+unsigned seen = 0;  // keeps the compiler from removing the reads
 
 namespace {
 
@@ -39,16 +39,16 @@ struct Camera {
     test::becomes([&] {
       try {
         source = aravis_backend().open(aravis_backend().complete(options, ""), {});
-      } catch (const CaptureError&) {  // it answers too late
+      } catch (const CaptureError&) {  // it answered too late
       }
       return source != nullptr;
     });
     port = forger.stream_port_of("127.0.0.1");
   }
 
-  /// Returns how many of its images came.
+  /// Reads all waiting images; returns how many of them are the camera's own.
   int look() {
-    // A busy computer holds this program for longer than a camera waits for its heartbeats.
+    // A busy computer may pause this program for longer than a camera's heartbeat timeout.
     constexpr double kHeldUp_s = 1, kLately_s = 10;
     const double now_s = steady_s();
     if (now_s - looked_s > kHeldUp_s) held_up_s = now_s;
@@ -81,7 +81,7 @@ struct Camera {
   test::UdpForger forger;
   std::uint16_t port = 0;
   double looked_s = steady_s(), held_up_s = 0;
-  std::uint64_t frame = 0x4000;  // far from its own numbers, which would be late behind it
+  std::uint64_t frame = 0x4000;  // far from the camera's own numbers, which would otherwise be late
 };
 
 std::string packet_of(std::uint8_t how, std::uint64_t frame, std::string_view data) {

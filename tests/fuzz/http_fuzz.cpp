@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer: whatever bytes come over a connection, each request is answered with HTTP or the connection is
-// closed, and others are served as before. ./run test-long
+// libFuzzer: for any bytes on a connection, each request gets an HTTP answer or the connection is closed, and
+// others are still served. ./run test-long
 #include "fuzz/served.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer: any file gives whole tables or one SettingsError, and tables come back as they were written.
-// The first "@@" in an input stands for a LUT of SSL-Vision's, which is longer than inputs are; in one input
-// of eight, since that takes long. ./run test-long
+// libFuzzer: any file yields complete tables or one SettingsError, and tables survive a round trip. The first
+// "@@" in an input is replaced by a LUT of SSL-Vision, which is longer than inputs are; only in one of eight
+// inputs, as that takes long. ./run test-long
 #include "base/base64.h"
 #include "base/error.h"
 #include "colors/lut_file.h"

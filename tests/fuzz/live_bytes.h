@@ -12,12 +12,12 @@
 
 namespace sslv {
 
-/// What reads files and packets takes no more memory at once, whatever they say.
+/// Readers of files and packets must not use more memory at once, for any input.
 inline constexpr std::int64_t kMaxLiveBytes = std::int64_t{64} << 20U;
 
-/// Bounds what all threads have allocated and not freed while an input is read: from when this is made, until
-/// it ends. Above that the program says so and aborts. libFuzzer's own -malloc_limit_mb bounds one
-/// allocation.
+/// Limits the memory that all threads have allocated and not freed while an input is read: from construction
+/// to destruction. Beyond the limit it prints a message and aborts. libFuzzer's -malloc_limit_mb limits only
+/// single allocations.
 class LiveBytes {
  public:
   explicit LiveBytes(std::int64_t most) {
@@ -32,14 +32,14 @@ class LiveBytes {
   static constexpr std::int64_t kUnbounded = std::numeric_limits<std::int64_t>::max();
 
   static std::int64_t size_of(const volatile void* memory) {
-    // What the sanitizer does not own, such as what is freed twice, it reports itself.
+    // The sanitizer itself reports memory that it does not own, such as a double free.
     if (__sanitizer_get_ownership(memory) == 0) return 0;
     return static_cast<std::int64_t>(__sanitizer_get_allocated_size(memory));
   }
   static void allocated(const volatile void* memory, std::size_t /*size*/) {
     const std::int64_t now = live_ += size_of(memory), most = most_;
     if (now - before_ <= most) return;
-    most_ = kUnbounded;  // what follows allocates too
+    most_ = kUnbounded;  // the code below allocates too
     std::fprintf(stderr, "%lld bytes are allocated while one input is read; at most %lld may be\n",
                  static_cast<long long>(now - before_), static_cast<long long>(most));
     std::abort();
@@ -47,7 +47,7 @@ class LiveBytes {
   static void freed(const volatile void* memory) { live_ -= size_of(memory); }
 
   static inline std::atomic<std::int64_t> live_{0}, before_{0}, most_{kUnbounded};
-  /// Before there are threads.
+  /// Initialised before there are threads.
   static inline const bool kIsInstalled = [] {
     if (__sanitizer_install_malloc_and_free_hooks(allocated, freed) != 0) return true;
     std::fprintf(stderr, "allocations cannot be counted\n");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer: whatever a file holds, a match log's reader gives its messages in their order, or one line; and
-// an index beside it leads nowhere else. The first byte tells what the rest is: a file as it is, a log that
-// is packed first in two members, or the index of a log that is whole. ./run test-long
+// libFuzzer: for any file, a match log's reader returns its messages in order or throws a one-line error, and
+// no index beside the log leads outside of it. The first byte selects how the rest is used: a file as it is,
+// a log to be packed in two gzip members, or the index of a valid log. ./run test-long
 #include "base/error.h"
 #include "fuzz/expect.h"
 #include "fuzz/live_bytes.h"
@@ -50,7 +50,7 @@ void pack(std::span<const std::byte> bytes, Bytes& out) {
   deflateEnd(&zlib);
 }
 
-/// Returns how many messages come.
+/// Reads all messages; returns their number.
 std::size_t count_messages(MatchLogReader& reader) {
   LoggedMessage message;
   std::size_t count = 0;
@@ -89,7 +89,7 @@ void read_log() {
   }
 }
 
-/// A log of a few messages, the same each time.
+/// A log of a few messages, always the same.
 Bytes small_log() {
   Bytes bytes;
   const auto head = log_header();

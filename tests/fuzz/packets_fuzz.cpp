@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer: whatever comes by multicast costs nothing but itself, also of a computer that the settings name.
-// An input is datagrams one after the other, each behind a byte that tells who sends it and two that tell how
-// long it is. ./run test-long
+// libFuzzer: a datagram received by multicast can at worst be lost itself, even from a computer named in the
+// settings. An input is a sequence of datagrams, each preceded by a byte for the sender and two for the
+// length. ./run test-long
 #include "fuzz/expect.h"
 #include "net/heard_cameras.h"
 #include "net/other_visions.h"
 #include "net/referee_listener.h"
-#include "pipeline/senseless.h"
+#include "pipeline/validate.h"
 #include "tracking/agreement.h"
 #include "tracking/clocks.h"
 #include "tracking/gather.h"
@@ -20,11 +20,11 @@
 namespace sslv {
 namespace {
 
-// What is kept for a sender and a camera is small, but there may be many: these are the tables' bounds as
-// seen from outside.
+// Little is stored per sender and camera, but there may be many: an upper bound on the tables, as seen from
+// outside.
 constexpr std::size_t kMaxCameras = 4096;
 
-/// The field's stack, but for what it sends.
+/// The field's stack without its output.
 class Field final : private FieldClock {
  public:
   void take(const ArrivedSightings& arrived, double now_s) {
@@ -33,9 +33,8 @@ class Field final : private FieldClock {
     clocks_.process({}, sightings_, time_);
     agreement_.process({}, sightings_, time_, observations_, learnt_);
     track_.process({}, *this, {}, arrived, observations_, tracked_);
-    expect(!drop_senseless(sightings_).any() && !drop_senseless(time_).any(),
-           "what passed the door has none");
-    expect(!drop_senseless(observations_).any() && !drop_senseless(tracked_).any(), "tracks without sense");
+    expect(!drop_invalid(sightings_).any() && !drop_invalid(time_).any(), "what passed the door has none");
+    expect(!drop_invalid(observations_).any() && !drop_invalid(tracked_).any(), "tracks without sense");
     expect(learnt_.repaired() + tracked_.repaired == 0, "a filter that is no number");
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer: any file gives a pattern table or one SettingsError that names the file. ./run test-long
+// libFuzzer: any file yields a pattern table or one SettingsError that names the file. ./run test-long
 #include "base/error.h"
 #include "fuzz/expect.h"
 #include "vision/patterns.h"

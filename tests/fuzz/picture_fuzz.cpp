@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer: who calls the picture decoders lets them write where there is room only. The first byte tells
-// what the rest is: a camera's JPEG, or a picture or video file. ./run test-long
+// libFuzzer: the callers of the image decoders give them buffers that are large enough. The first byte
+// selects how the rest is used: a camera's JPEG, or an image or video file. ./run test-long
 #include "capture/files/file_media.h"
 #include "fuzz/expect.h"
 #include "image/jpeg_decoder.h"
@@ -21,14 +21,14 @@ extern "C" {
 
 namespace sslv {
 
-unsigned seen = 0;  // what the compiler must not leave out
+unsigned seen = 0;  // keeps the compiler from removing the reads
 
 namespace {
 
-/// Larger ones take too long to be worth a look; what a camera may send is far smaller.
+/// Larger images would take too long; those of real cameras are far smaller.
 constexpr int kLargestSide = 4096;
 
-/// Reads every pixel, so that the sanitizers see what lies outside.
+/// Reads every pixel, so that sanitizers detect out-of-bounds data.
 void look_at(const ImageView& image) {
   if (image.width == 0) return;
   const std::size_t row_bytes =

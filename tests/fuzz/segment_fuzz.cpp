@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer: any picture, mask and parameters give the same runs and regions in the fused stage as in the
-// plain ones, on every instruction set. ./run test-long
+// libFuzzer: for any image, mask and parameters, the fused stage gives the same runs and regions as the plain
+// stages, on every instruction set. ./run test-long
 #include "support/segment_check.h"
 #include "support/simd_target.h"
 
@@ -47,7 +47,7 @@ void check(FuzzedDataProvider& data) {
   for (int frame = 0; frame < 2; ++frame) {
     const Lut& lut = *test_luts()[data.ConsumeIntegralInRange<std::size_t>(0, test_luts().size() - 1)];
     const auto size = static_cast<std::size_t>(width * bytes_per_pixel(format) * height);
-    // What the input does not give is one colour, so that short inputs are pictures too.
+    // Pixels beyond the end of the input have one colour, so that short inputs are valid images too.
     std::vector<std::uint8_t> bytes(size, data.ConsumeIntegral<std::uint8_t>());
     data.ConsumeData(bytes.data(), frame == 0 ? size / 2 : size);
     const Image image({bytes.data(), width, height, width * bytes_per_pixel(format), format}, nullptr,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The real web server over a made-up daemon, for programs that send it bytes.
+// The real web server with a fake daemon, for programs that send it bytes.
 
 #include "fuzz/expect.h"
 #include "support/patience.h"
@@ -21,7 +21,7 @@ class Served {
  public:
   Served() { daemon_.publish(1); }
 
-  /// All that the server answers to these bytes until it closes.
+  /// The server's whole answer to these bytes, until it closes the connection.
   std::string answer(std::string_view bytes) const {
     const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     sockaddr_in to{};
@@ -34,7 +34,7 @@ class Served {
     ::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
     for (std::string_view rest = bytes; !rest.empty();) {
       const ssize_t sent = ::send(socket, rest.data(), rest.size(), MSG_NOSIGNAL);
-      if (sent <= 0) break;  // it has heard enough
+      if (sent <= 0) break;  // the server has stopped reading
       rest.remove_prefix(static_cast<std::size_t>(sent));
     }
     ::shutdown(socket, SHUT_WR);
@@ -50,7 +50,7 @@ class Served {
     return out;
   }
 
-  /// It serves others as before.
+  /// Checks that it still serves others.
   void check() const {
     const std::string well =
         answer("GET /api/schema HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");

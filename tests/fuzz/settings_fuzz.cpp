@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer: any settings and any patch of them give a whole tree or one SettingsError of one line, and a
-// tree that was taken is taken again as it is. Settings and patch are parted by a zero byte. ./run test-long
+// libFuzzer: any settings and any patch to them yield a complete tree or one SettingsError of one line, and
+// an accepted tree is accepted again unchanged. A zero byte separates settings and patch. ./run test-long
 #include "base/error.h"
 #include "base/json.h"
 #include "config/config.h"
@@ -18,7 +18,7 @@ void check_refusal(const SettingsError& error) {
   expect(!text.empty() && text.find('\n') == std::string::npos, "a refusal is one line");
 }
 
-/// Discarded when it is no settings.
+/// The completed settings; a discarded value if they are invalid.
 Json checked(const Json& settings) {
   try {
     Json complete = complete_settings(settings);

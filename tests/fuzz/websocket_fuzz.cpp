@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer: a WebSocket may be sent whatever frames and messages: the first byte tells whether the rest are
-// bytes of frames, or one message in a proper frame. ./run test-long
+// libFuzzer: the server withstands any WebSocket frames and messages. The first byte selects whether the rest
+// is raw frame bytes, or one message in a valid frame. ./run test-long
 #include "fuzz/served.h"
 
 namespace {
@@ -9,7 +9,7 @@ constexpr std::string_view kUpgrade =
     "GET /api/ws HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
     "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n";
 
-/// RFC 6455, masked with zeros.
+/// A frame as in RFC 6455, masked with zeros.
 std::string frame(unsigned char opcode, std::string_view payload) {
   std::string out{static_cast<char>(0x80 | opcode)};
   if (payload.size() < 126) {

@@ -14,16 +14,16 @@
 
 namespace sslv {
 
-/// What a test does to the GPUs that it gives, and sees of them. With each of them, as a thread that hangs in
-/// one may outlive the test.
+/// A test's control over the fake GPUs and what it observes of them. Shared with each GPU, because a hanging
+/// thread may outlive the test.
 struct FakeGpus {
-  std::atomic<bool> may_open{true};       // until then opening waits
-  std::atomic<bool> is_there{true};       // else opening fails
-  std::atomic<bool> may_answer{true};     // until then process() waits
-  std::atomic<bool> fails{false};         // process() gives no labels
-  std::atomic<bool> loses_itself{false};  // and it is lost when it fails
+  std::atomic<bool> may_open{true};       // until then, opening waits
+  std::atomic<bool> is_there{true};       // otherwise opening fails
+  std::atomic<bool> may_answer{true};     // until then, process() waits
+  std::atomic<bool> fails{false};         // process() returns no labels
+  std::atomic<bool> loses_itself{false};  // a failure also loses the GPU
   std::atomic<bool> is_software{false};
-  std::atomic<int> widest{16'384};  // images; wider ones it refuses
+  std::atomic<int> widest{16'384};  // maximum image width
   std::atomic<int> opened{0}, closed{0}, asked{0};
 
   static void set(std::atomic<bool>& flag) {
@@ -32,7 +32,7 @@ struct FakeGpus {
   }
 };
 
-/// Labels grey images by their table, as a GPU does.
+/// Labels grey images by their table, like a GPU.
 class FakeGpu final : public ThresholdDevice {
  public:
   explicit FakeGpu(std::shared_ptr<FakeGpus> all) : all_(std::move(all)) {}
@@ -57,7 +57,7 @@ class FakeGpu final : public ThresholdDevice {
       is_lost_ = all_->loses_itself;
       return false;
     }
-    // As a GPU, it takes another table only where the number says that it is another one.
+    // Like a GPU, it only takes a new table if the id has changed.
     if (std::exchange(table_id_, table.lut_id) != table.lut_id)
       table_.assign(table.labels.begin(), table.labels.end());
     labels.cell_px = 1;

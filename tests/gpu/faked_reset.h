@@ -5,7 +5,7 @@
 
 namespace sslv {
 
-/// What the driver's glGetGraphicsResetStatus says in this program (gpu_context_test.cpp); 0: no reset.
+/// Result of the driver's glGetGraphicsResetStatus in this program (gpu_context_test.cpp); 0: no reset.
 extern std::atomic<unsigned> faked_reset_status;
 
 }  // namespace sslv

@@ -8,16 +8,16 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A camera whose images take so long.
+/// A camera whose images take a fixed time on GPU and CPU.
 class GpuChoiceTest : public ::testing::Test {
  protected:
-  /// Whether the GPU labelled it.
+  /// Processes one image; returns whether the GPU labelled it.
   bool image() {
     const bool by_gpu = choice_.gpu_is_next(always_);
     choice_.took(by_gpu, by_gpu ? gpu_ : cpu_, now_ += 10ms);
     return by_gpu;
   }
-  /// How many of them the GPU labelled.
+  /// Processes images; returns how many the GPU labelled.
   int images(int count) {
     int by_gpu = 0;
     for (int i = 0; i < count; ++i) by_gpu += image() ? 1 : 0;
@@ -45,7 +45,7 @@ TEST_F(GpuChoiceTest, TakesTurnsUntilBothAreMeasured) {
 }
 
 TEST_F(GpuChoiceTest, ASlowerGpuIsLeftAloneUnlessItIsAlwaysWanted) {
-  gpu_.time = 4900us;  // faster, but not by a tenth
+  gpu_.time = 4900us;  // faster, but by less than a tenth
   images(kToMeasure);
   EXPECT_EQ(images(100), 0);
   always_ = true;
@@ -75,7 +75,7 @@ TEST_F(GpuChoiceTest, MeasuresAgainEveryHour) {
   EXPECT_EQ(images(kToMeasure), kToMeasure / 2);
   EXPECT_EQ(choice_.number(), 2);
   EXPECT_EQ(images(10), 0);
-  // What was measured is said until there is something new.
+  // The last measurement is reported until there is a new one.
   now_ += GpuChoice::kEvery;
   images(2);
   ASSERT_TRUE(choice_.measured());

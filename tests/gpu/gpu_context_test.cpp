@@ -29,7 +29,7 @@ GLenum reset_status() {
 
 }  // namespace
 
-/// In the place of EGL's own: a driver that tells of a reset when a test says so.
+/// Replaces EGL's function: a driver that reports a reset when a test requests it.
 extern "C" __eglMustCastToProperFunctionPointerType eglGetProcAddress(const char* name) {
   if (std::strncmp(name, "glGetGraphicsResetStatus", std::strlen("glGetGraphicsResetStatus")) == 0)
     return reinterpret_cast<__eglMustCastToProperFunctionPointerType>(&reset_status);
@@ -45,7 +45,7 @@ using ::testing::HasSubstr;
 
 const std::vector<std::uint8_t> kGrey(64 * 8, 90);
 
-/// A small grey image, whose labels are all `label`.
+/// A small grey image.
 struct Grey {
   Image image{ImageView{kGrey.data(), 64, 8, 64, PixelFormat::kMono8}, nullptr, nullptr, nullptr};
   Mask mask;
@@ -91,7 +91,7 @@ TEST_F(GpuContextTest, AContextThatIsGoneIsToldWithEveryImage) {
   }
   EXPECT_TRUE(context().is_lost());
   EXPECT_THROW(GpuThreshold{context()}, GpuError);
-  // The next one works, in the same process.
+  // The next context works, in the same process.
   GpuContext next;
   GpuThreshold again(next);
   EXPECT_TRUE(again.process(lut, grey.mask, grey.image, grey.labels)) << again.problem();
@@ -106,7 +106,7 @@ TEST_F(GpuContextTest, AResetIsToldWithTheImageThatItTook) {
   EXPECT_FALSE(gpu.process(lut, grey.mask, grey.image, grey.labels));
   EXPECT_EQ(gpu.problem(), "the GPU was reset");
   EXPECT_TRUE(context().is_lost());
-  // That the GPU works again does not bring back what was in it.
+  // A GPU that works again does not restore the lost context.
   faked_reset_status = GL_NO_ERROR;
   EXPECT_FALSE(gpu.process(lut, grey.mask, grey.image, grey.labels));
   EXPECT_EQ(gpu.problem(), "the context is lost");
@@ -156,7 +156,8 @@ TEST_F(GpuContextTest, SeveralLiveInOneProcess) {
   }
 }
 
-/// Tries to get a GPU where EGL finds no driver. EGL looks for them once, so that needs a process of its own.
+/// Tries to open a GPU without EGL drivers. EGL searches for them once per process, so this needs its own
+/// process.
 [[noreturn]] void open_without_drivers() {
   setenv("__EGL_VENDOR_LIBRARY_DIRS", "/nonexistent", 1);
   unsetenv("__EGL_VENDOR_LIBRARY_FILENAMES");

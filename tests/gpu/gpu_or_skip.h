@@ -9,7 +9,7 @@
 
 namespace sslv {
 
-/// Tests that need a GPU, of whatever kind.
+/// Tests that need any kind of GPU; skipped without one.
 class WithGpu : public ::testing::Test {
  protected:
   void SetUp() override {

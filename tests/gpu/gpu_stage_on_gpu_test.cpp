@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stage with a driver in it: labels against the CPU's, and a GPU that goes.
+// The stage with a real driver: labels compared with the CPU's, and a GPU that is lost.
 #include "faked_reset.h"
 #include "gpu/gl.h"
 #include "gpu/gpu_threshold_stage.h"
@@ -28,7 +28,7 @@ class GpuStageOnGpu : public WithGpu {
   GpuStageOnGpu() : stage_(&open_gpu, patient()) {}
   void TearDown() override { faked_reset_status = GL_NO_ERROR; }
 
-  /// Compares with the CPU. Whether the GPU labelled it.
+  /// Labels an image and compares with the CPU; returns whether the GPU labelled it.
   bool label(const Lut& lut, const Mask& mask, const Image& image) {
     Threshold().process({}, lut, mask, image, plain_);
     std::fill(labels_.labels.begin(), labels_.labels.end(), Label{77});

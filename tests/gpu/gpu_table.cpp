@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colour thresholding on this computer's GPU against one core of its CPU, in turns, on drawn halls, and the
-// stage that does it, with all that it costs: two Markdown tables. Exit code 1 when a label differs, 77 when
-// there is no GPU.
+// Colour thresholding on this computer's GPU compared with one core of its CPU, alternating, on drawn halls;
+// and the total cost of the stage that does it. Prints two Markdown tables. Exit code 1: a label differs; 77:
+// no GPU.
 //   gpu_table [--runs 50]
 
 #include "camera_bytes.h"
@@ -39,7 +39,7 @@ using Path = GpuThreshold::Path;
 
 struct Shown {
   int width, height;
-  Size hall;  // a usual hall, whose camera is scaled to that size
+  Size hall;  // a usual hall with its camera scaled to that size
 };
 constexpr std::array kShown{Shown{640, 480, Size::kA}, Shown{780, 580, Size::kA}, Shown{1280, 1024, Size::kB},
                             Shown{2448, 2048, Size::kC}};
@@ -74,7 +74,7 @@ Exposed expose(const Shown& shown) {
   camera.principal_point_y *= scale;
   camera.pixel_image_width = shown.width;
   camera.pixel_image_height = shown.height;
-  hall.sensor.hot_pixels.clear();  // which were placed for the other size
+  hall.sensor.hot_pixels.clear();  // their positions are for the other size
   const CameraModel model(camera);
   Painter painter(hall, model);
   const Obstacles obstacles(model, painter.obstacles());
@@ -98,7 +98,7 @@ double cpu_ms(clockid_t clock) {
   return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
 }
 
-/// Times of something that is done again and again.
+/// Durations and CPU times of a repeated operation, in ms.
 struct Times {
   std::vector<double> time{}, this_thread{}, all_threads{};
   template <class Do>
@@ -112,7 +112,7 @@ struct Times {
   }
 };
 
-/// Times of one path, and whether it said what the CPU says.
+/// Times of one path, and whether its labels equal the CPU's.
 struct Timed {
   explicit Timed(GpuContext& context, Path path) : gpu(context, path) {}
   GpuThreshold gpu;
@@ -138,7 +138,7 @@ struct Timed {
   void check(bool is_made, const LabelImage& wanted) {
     if (!is_made) problem = gpu.problem();
     if (is_made && labels_.labels != wanted.labels) problem = "labels differ";
-    // What is left of this run must not pass for the next one's labels.
+    // Overwrites the labels, so that they cannot count as those of the next run.
     std::fill(labels_.labels.begin(), labels_.labels.end(), Label{255});
   }
   Mask mask_;
@@ -155,13 +155,13 @@ Image image_of(const std::vector<std::uint8_t>& bytes, const Exposed& exposed, P
           nullptr};
 }
 
-/// The stage, always on the GPU, and what follows it, against the CPU's stages. False: a label differs, or
-/// the GPU did not make them.
+/// Compares the stage, always on the GPU, and the stages after it with the CPU's stages. Returns false if a
+/// label differs or the GPU did not make them.
 bool stage_row(const Lut& lut, const Exposed& exposed, PixelFormat format, int runs, std::string& note) {
   const std::vector<std::uint8_t> bytes = bytes_of(exposed, format);
   const Image image = image_of(bytes, exposed, format);
   const Mask mask;
-  GpuThresholdStage::Limits patient;  // with slow ones, too: this is a table
+  GpuThresholdStage::Limits patient;  // a table should include slow GPUs
   patient.shortest_deadline = std::chrono::seconds(1);
   GpuThresholdStage stage(&open_gpu, patient);
   StageNotes notes;
@@ -175,8 +175,8 @@ bool stage_row(const Lut& lut, const Exposed& exposed, PixelFormat format, int r
   const auto label_on_gpu = [&] {
     stage.process({.use = GpuThresholdStage::Use::kAlways}, lut, mask, image, labels, notes);
   };
-  constexpr int kMostToBegin = 100'000;
-  for (int i = 0; i < kMostToBegin && notes.read().text.find(" ms an image") == std::string::npos; ++i)
+  constexpr int kMaxToBegin = 100'000;
+  for (int i = 0; i < kMaxToBegin && notes.read().text.find(" ms an image") == std::string::npos; ++i)
     label_on_gpu();
   note = notes.read().text;
 
@@ -200,7 +200,7 @@ bool stage_row(const Lut& lut, const Exposed& exposed, PixelFormat format, int r
   return is_good;
 }
 
-/// A GPU that has its labels at once.
+/// A GPU that needs no time.
 class NoWork final : public ThresholdDevice {
  public:
   const std::string& name() const override { return name_; }
@@ -215,14 +215,14 @@ class NoWork final : public ThresholdDevice {
   const std::string name_ = "none";
 };
 
-/// What it takes to ask another thread and wait for it, `pause` after the time before.
+/// Time in ms to hand work to another thread and wait for it, with `pause` between the repetitions.
 double hand_over_ms(const Lut& lut, int times, std::chrono::microseconds pause) {
   GpuWorker worker([] { return std::make_unique<NoWork>(); });
   const std::array<std::uint8_t, 32> grey{};
   const ImageView image{grey.data(), 16, 2, 16, PixelFormat::kMono8};
   LabelImage labels;
   while (!worker.takes(GpuWorker::work_for(lut, image))) std::this_thread::yield();
-  worker.label(lut, image, labels, Clock::now() + std::chrono::minutes(1));  // which takes the table there
+  worker.label(lut, image, labels, Clock::now() + std::chrono::minutes(1));  // transfers the table
   Times all;
   for (int i = 0; i < times; ++i) {
     if (pause.count() > 0) std::this_thread::sleep_for(pause);
@@ -254,7 +254,7 @@ bool stage_table(const Lut& lut, int runs) {
   return is_good;
 }
 
-/// False: a label differs, or there are none.
+/// Returns false if a label differs or there are none.
 bool row(GpuContext& context, const Lut& lut, const Exposed& exposed, PixelFormat format, int runs) {
   constexpr int kWarmUp = 5;
   const std::vector<std::uint8_t> bytes = bytes_of(exposed, format);

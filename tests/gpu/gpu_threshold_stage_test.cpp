@@ -24,7 +24,7 @@ using ::testing::HasSubstr;
 using Kind = StageNotes::Kind;
 using Use = GpuThresholdStage::Use;
 
-/// Nothing is late and nothing hangs, however slow the machine.
+/// Limits with which nothing is late or hangs, however slow the machine.
 GpuThresholdStage::Limits patient() {
   GpuThresholdStage::Limits limits;
   limits.shortest_deadline = limits.worker.hangs_after = limits.worker.longest_end = 10min;
@@ -39,14 +39,14 @@ std::shared_ptr<const Lut> lut_of(unsigned seed, int bits = 7) {
   return std::make_shared<const Lut>(std::move(table));
 }
 
-/// A camera with a stage of its own, whose labels are compared with the CPU's.
+/// A camera with its own stage; compares all labels with the CPU's.
 class GpuThresholdStageTest : public ::testing::Test {
  protected:
   void start(const GpuThresholdStage::Limits& limits) {
     stage_ = std::make_unique<GpuThresholdStage>(open_fake(gpus_), limits);
   }
   void TearDown() override {
-    // A thread that a test holds must come to its end.
+    // Releases a thread that the test holds, so that it can end.
     gpus_->is_there = true;
     FakeGpus::set(gpus_->may_open);
     FakeGpus::set(gpus_->may_answer);
@@ -54,7 +54,7 @@ class GpuThresholdStageTest : public ::testing::Test {
     EXPECT_TRUE(becomes([&] { return gpus_->closed >= given_; })) << "a GPU was not closed";
   }
 
-  /// One image, in memory that is gone when the stage has done with it. Whether the GPU labelled it.
+  /// Processes one image, whose memory is freed afterwards; returns whether the GPU labelled it.
   bool image(int width = 40, int height = 6, int more = 0) {
     std::vector<std::uint8_t> bytes(static_cast<std::size_t>((width + more) * height - more));
     std::generate(bytes.begin(), bytes.end(), [&] { return static_cast<std::uint8_t>(random_()); });
@@ -83,10 +83,10 @@ class GpuThresholdStageTest : public ::testing::Test {
   bool becomes_on_gpu(int width = 40) {
     return becomes([&] { return image(width); });
   }
-  /// Until the GPU is asked for an image and does not label it. From now on it must label none: while it is
-  /// measured, the CPU has its turns.
+  /// Waits until the GPU was asked for an image and did not label it. The GPU must be unable to label any by
+  /// now: otherwise the CPU's turns during a measurement would look the same.
   bool becomes_missed() {
-    // It may be asked later than the stage waits for it.
+    // The request may reach it after the stage has stopped waiting.
     const int before = gpus_->asked;
     return becomes([&] { return !image() && gpus_->asked != before; });
   }
@@ -99,7 +99,7 @@ class GpuThresholdStageTest : public ::testing::Test {
   }
 
   const std::shared_ptr<FakeGpus> gpus_ = std::make_shared<FakeGpus>();
-  int given_ = 0;  // GPUs that have to be closed at the end
+  int given_ = 0;  // GPUs that must be closed at the end
   std::unique_ptr<GpuThresholdStage> stage_;
   std::shared_ptr<const Lut> lut_ = lut_of(1);
   Mask mask_;
@@ -154,7 +154,7 @@ TEST_F(GpuThresholdStageTest, IsLeftAloneWhereItIsNeverWanted) {
   for (int i = 0; i < 10; ++i) EXPECT_FALSE(image());
   EXPECT_EQ(gpus_->opened, 0);
   EXPECT_EQ(notes_.read().text, "The CPU labels all images, as it is set.");
-  // The settings may change while it runs.
+  // The settings may change at runtime.
   use_ = Use::kAlways;
   EXPECT_TRUE(becomes_on_gpu());
   use_ = Use::kNever;
@@ -214,7 +214,7 @@ TEST_F(GpuThresholdStageTest, ALostGpuThatDoesNotComeBackStaysAWarning) {
 TEST_F(GpuThresholdStageTest, OneThatGivesNoLabelsIsOpenedAgainToo) {
   start(patient());
   ASSERT_TRUE(becomes_on_gpu());
-  gpus_->fails = true;  // without a loss, as when it has no memory
+  gpus_->fails = true;  // without being lost, as when memory runs out
   ASSERT_TRUE(becomes_missed());
   gpus_->fails = false;
   EXPECT_TRUE(becomes_on_gpu());
@@ -260,7 +260,7 @@ TEST_F(GpuThresholdStageTest, EndsWhileTheGpuHangs) {
   gpus_->may_answer = false;
   ASSERT_TRUE(becomes_missed());
   stage_.reset();
-  lut_.reset();  // what the hanging thread works on is its own
+  lut_.reset();  // the hanging thread has its own copy of its data
   EXPECT_EQ(gpus_->closed, 0);
   given_ = 1;
 }
@@ -346,8 +346,8 @@ TEST_F(GpuThresholdStageTest, AllocatesNothingForAnImage) {
   };
   ASSERT_TRUE(becomes([&] { return label(1) == 1; }));
   const std::uint64_t before = allocation_count();
-  // Where it is slower on a busy machine, it is measured again at most after every 108th image, and 22 are
-  // the CPU's.
+  // If it is slower on a busy machine, it is measured again after at least 108 images, of which the CPU then
+  // labels 22.
   EXPECT_GT(label(500), 380) << "measured, and then used";
   EXPECT_EQ(allocation_count() - before, 0U);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Labels of the GPU against those of the CPU's plain stage: every format, both paths, tables of 7 and 8 bits.
+// Labels of the GPU compared with the CPU's plain stage: every format, both paths, tables of 7 and 8 bits.
 #include "gpu/gpu_threshold.h"
 
 #include "gpu/gl.h"
@@ -24,14 +24,14 @@ namespace {
 
 using Path = GpuThreshold::Path;
 
-/// Compares with the CPU; empty: they are the same.
+/// Compares with the CPU; returns the first difference, empty if there is none.
 class Comparison {
  public:
   explicit Comparison(GpuContext& context, Path path) : gpu_(context, path) {}
 
   std::string operator()(const Lut& lut, const Mask& mask, const Image& image) {
     cpu_.process({}, lut, mask, image, plain_);
-    // What an earlier image left in it must not pass for labels.
+    // Overwrites the labels, so that those of an earlier image cannot count.
     std::fill(labels_.labels.begin(), labels_.labels.end(), Label{77});
     if (!gpu_.process(lut, mask, image, labels_)) return "no labels: " + gpu_.problem();
     const auto size = [](const LabelImage& of) { return std::tuple(of.width, of.height, of.cell_px); };
@@ -81,7 +81,7 @@ class GpuThresholdIn : public WithGpu, public ::testing::WithParamInterface<std:
     compare_ = std::make_unique<Comparison>(context(), path);
   }
   Comparison& compare() { return *compare_; }
-  /// Widths and heights are whole numbers of these (ImageView).
+  /// Widths and heights must be multiples of these (ImageView).
   int unit_x() const { return is_bayer(format_) || is_yuv422(format_) ? 2 : 1; }
   int unit_y() const { return is_bayer(format_) ? 2 : 1; }
 
@@ -128,7 +128,7 @@ TEST_P(GpuThresholdIn, EveryTableAndMask) {
   }
 }
 
-/// Bytes as images have them, and as they never should.
+/// Typical and extreme contents of images.
 void fill_tile(Random& random, const Drawn& shape, std::uint8_t* first, std::size_t bytes_a_row, int rows) {
   constexpr std::array<std::uint8_t, 10> kEdges{0, 1, 2, 126, 127, 128, 129, 253, 254, 255};
   const int kind = random_int(random, 0, 4);
@@ -150,9 +150,9 @@ void fill_tile(Random& random, const Drawn& shape, std::uint8_t* first, std::siz
   }
 }
 
-// Labels of a cell depend on nothing beside it, so that thousands of small images can lie in a large one.
+// A cell's label does not depend on its neighbours, so a large image can hold thousands of small ones.
 TEST_P(GpuThresholdIn, ElevenThousandTiles) {
-  constexpr int kTileX = 8, kTileY = 4, kColumns = 60, kRows = 62, kImages = 3;  // 11,160 a format
+  constexpr int kTileX = 8, kTileY = 4, kColumns = 60, kRows = 62, kImages = 3;  // 11,160 per format
   Random random(static_cast<unsigned>(format_) + 4);
   const std::array luts{&random_lut(7), &random_lut(8), test_luts()[2].get()};
   for (int i = 0; i < kImages; ++i) {
@@ -179,7 +179,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, GpuThresholdIn,
                                   std::string(sslv::name_of(std::get<1>(of.param)));
                          });
 
-/// All 2^24 colours: a pixel, pair or quad for each.
+/// All 2^24 colours: one pixel, pair or quad each.
 Drawn every_color(PixelFormat format) {
   constexpr int kSide = 4096;
   const bool is_rgb = format == PixelFormat::kRgb24;
@@ -193,7 +193,7 @@ Drawn every_color(PixelFormat format) {
       if (is_rgb) {
         upper[3 * x] = a, upper[3 * x + 1] = b, upper[3 * x + 2] = c;
       } else if (is_bayer(format)) {
-        // The second green takes another way through all values.
+        // The second green runs through all values in another order.
         upper[2 * x] = a, upper[2 * x + 1] = b, lower[2 * x] = static_cast<std::uint8_t>(b * 7 + a + c);
         lower[2 * x + 1] = c;
       } else {
@@ -233,7 +233,7 @@ TEST_P(GpuThresholdBy, AnotherTableAtTheSamePlaceIsAnotherTable) {
   Random random(7);
   Drawn drawn(PixelFormat::kRgb24, 64, 8);
   drawn.fill(random);
-  // Made and freed one after the other, as followed light does it: they may well lie in the same memory.
+  // Created and freed in turn, as when following the light: they may well be at the same address.
   for (int i = 0; i < 5; ++i) {
     const auto lut = std::make_unique<const Lut>(random_lut(random, 7));
     ASSERT_EQ(compare()(*lut, Mask(), drawn.image()), "");
@@ -246,7 +246,7 @@ TEST_P(GpuThresholdBy, AnEmptyImageHasNoLabels) {
 }
 
 TEST_P(GpuThresholdBy, TooLargeAnImageIsRefusedAndTheNextOneTaken) {
-  // One row again and again: more than the 128 MiB that every GPU must take at once. The largest take it.
+  // One row repeated: more than the 128 MiB that every GPU must support. The largest GPUs accept it.
   constexpr int kWidth = 16'384, kHeight = 8'200;
   const std::vector<std::uint8_t> row(kWidth, 200);
   const Image large(ImageView{row.data(), kWidth, kHeight, 0, PixelFormat::kMono8}, nullptr, nullptr,

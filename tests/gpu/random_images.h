@@ -27,10 +27,10 @@ inline int random_int(Random& random, int low, int high) {
   return std::uniform_int_distribution(low, high)(random);
 }
 
-/// An image in a buffer that ends with its last byte, so that a sanitizer sees who reads beyond.
+/// An image in a buffer that ends with its last byte, so that sanitizers detect reads beyond it.
 class Drawn {
  public:
-  /// `more` bytes lie between two rows.
+  /// `more`: padding bytes between two rows.
   Drawn(PixelFormat format, int width, int height, int more = 0)
       : row_(static_cast<std::size_t>(width * bytes_per_pixel(format))),
         size_((row_ + static_cast<std::size_t>(more)) * static_cast<std::size_t>(height) -
@@ -41,7 +41,7 @@ class Drawn {
   void fill(Random& random) {
     std::generate_n(bytes_.get(), size_, [&] { return static_cast<std::uint8_t>(random() >> 8); });
   }
-  /// As some drivers give images: the last row first.
+  /// Stores the last row first, as some drivers do.
   void turn_over() {
     view_.data += view_.stride_bytes * (view_.height - 1);
     view_.stride_bytes = -view_.stride_bytes;
@@ -70,14 +70,14 @@ inline Mask random_mask(Random& random, int width, int height) {
   return Mask(settings);
 }
 
-/// Any label for any colour.
+/// A random label for each colour.
 inline Lut random_lut(Random& random, int bits) {
   ColorTable table(bits);
   for (Label& label : table.labels) label = static_cast<Label>(random() % label::kMaxCount);
   return Lut(std::move(table));
 }
 
-/// One of each number of bits: they take longer to make than an image to label.
+/// One table of each number of bits, made once: making them takes longer than labelling an image.
 inline const std::vector<Lut>& random_luts() {
   static const auto made = [] {
     Random random(10);

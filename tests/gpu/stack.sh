@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# stack.sh BUILD FOLDER: the library of the GPU's stage in a stack of the command line: it finds what the CPU finds,
+# stack.sh BUILD FOLDER: the GPU stage's library in a stack of the command line tool: its results must equal the CPU's,
 # byte for byte.
 set -euo pipefail
 build=$(realpath "$1") sources=$(realpath "$(dirname "${BASH_SOURCE[0]}")/../..")
@@ -22,6 +22,6 @@ settings gpu_threshold >gpu.json
 cat said.txt
 grep -q '^gpu_threshold: ' said.txt
 [[ -s cpu.jsonl ]]
-# But for the times that stages took.
+# Except the stages' times.
 for file in cpu gpu; do sed -i 's/,"timing_us":{[^}]*}//' $file.jsonl; done
 cmp cpu.jsonl gpu.jsonl

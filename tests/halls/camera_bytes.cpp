@@ -13,7 +13,7 @@
 namespace sslv::halls {
 namespace {
 
-/// Normal deviates, drawn from a table of equally likely ones.
+/// Normal deviates, drawn from a table of equally likely quantiles.
 class Noise {
  public:
   explicit Noise(Chance chance) : chance_(chance) {}
@@ -33,7 +33,7 @@ class Noise {
   static const std::array<float, kSize>& table() {
     static const auto kTable = [] {
       std::array<float, kSize> out{};
-      // The inverse of the normal distribution by bisection.
+      // Inverts the normal distribution by bisection.
       for (std::size_t i = 0; i < kSize; ++i) {
         const double share = (static_cast<double>(i) + 0.5) / kSize;
         double low = -6, high = 6;
@@ -52,7 +52,7 @@ class Noise {
   int left_ = 0;
 };
 
-/// Light to 0..255, not rounded, by a table over 0..1.
+/// Encodes light as 0..255, not rounded, by interpolating in a table.
 class Encoder {
  public:
   explicit Encoder(Transfer transfer) : is_linear_(transfer == Transfer::kLinear) {
@@ -78,7 +78,7 @@ std::uint8_t rounded(float value) {
   return static_cast<std::uint8_t>(std::clamp(value + 0.5F, 0.0F, 255.0F));
 }
 
-/// Through a JPEG and back, as cameras and grabbers with a narrow link do.
+/// Compresses to JPEG and back, like cameras and grabbers on a slow link.
 void compress(std::vector<std::uint8_t>& bytes, int width, int height, PixelFormat format, int quality) {
   JpegEncoder encoder;
   JpegDecoder decoder;
@@ -91,7 +91,7 @@ void compress(std::vector<std::uint8_t>& bytes, int width, int height, PixelForm
   }
 }
 
-/// Which colour a pixel of a Bayer RG sensor sees.
+/// The colour channel of a pixel on a Bayer RG sensor.
 constexpr int bayer_channel(int x, int y) {
   return (y & 1) + (x & 1);
 }
@@ -100,7 +100,7 @@ constexpr int bayer_channel(int x, int y) {
 class Photosites {
  public:
   Photosites(const Picture& light, const Sensor& sensor, Chance chance) : light_(light), noise_(chance) {
-    // The noise is given in grey levels; the sensor has it in light.
+    // The noise is given in grey levels, but applies to the light.
     const Transfer transfer = sensor.transfer;
     const float grey = decoded(90 / 255.0F, transfer);
     const float slope = (encoded(grey * 1.01F, transfer) - encoded(grey * 0.99F, transfer)) / (grey * 0.02F);
@@ -117,7 +117,7 @@ class Photosites {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(light_.width) + static_cast<std::size_t>(x);
   }
 
-  /// With new noise at each call.
+  /// Adds new noise at each call.
   float light_at(int x, int y, int channel) {
     const std::size_t i = index(x, y);
     float value = light_.pixels[i][channel];
@@ -134,7 +134,7 @@ class Photosites {
       }
     }
   }
-  /// Between the nearest pixels of that colour, as cameras do it in haste.
+  /// Bilinear demosaicing, as in simple cameras.
   float interpolated(int x, int y, int channel) const {
     if (bayer_channel(x, y) == channel) return mosaic_[index(x, y)];
     float sum = 0;
@@ -169,8 +169,7 @@ void blur(Picture& picture, double sigma_px) {
     sum += weights[i];
   }
   for (float& weight : weights) weight /= sum;
-  // Rows and columns as flat floats, which compilers turn into vector code. What lies beyond the picture is
-  // like its edge.
+  // Rows and columns as flat floats, which compilers vectorise. Edge pixels are repeated beyond the image.
   const std::size_t flat = 3 * static_cast<std::size_t>(picture.width);
   const auto height = static_cast<std::size_t>(picture.height);
   const auto row_at = [&](std::size_t y) { return picture.row(static_cast<int>(y)).front().data(); };
@@ -187,7 +186,7 @@ void blur(Picture& picture, double sigma_px) {
       for (std::size_t x = 0; x < flat; ++x) row[x] += weights[i] * padded[x + 3 * i];
     }
   }
-  // Down the columns; rows above are kept as they were.
+  // Columns; `before` keeps the original rows above.
   std::vector<std::vector<float>> before(reach + 1, std::vector<float>(flat));
   std::vector<float> out(flat);
   for (std::size_t y = 0; y < height; ++y) {

@@ -11,7 +11,7 @@
 
 namespace sslv::halls {
 
-/// A picture in linear light; `pixels` row by row.
+/// An image in linear light; `pixels` row by row.
 struct Picture {
   int width = 0, height = 0;
   std::vector<Color> pixels;
@@ -33,22 +33,22 @@ struct HotPixel {
 };
 
 struct Sensor {
-  // A frame's own time is the middle of the exposure of the middle row.
+  // The time of a frame is the middle of the middle row's exposure.
   double exposure_s = 0;
-  double readout_s = 0;  // from the first row's exposure to that of the last one
+  double readout_s = 0;  // from the first row's exposure to the last row's
   Transfer transfer = Transfer::kLinear;
-  double blur_px = 0.55;    // of the lens, standard deviation
+  double blur_px = 0.55;    // the lens: standard deviation
   double noise_grey = 4;    // standard deviation at grey 90 of 255, of each colour
-  double shot_share = 0.3;  // of the noise's variance there that grows with the light
+  double shot_share = 0.3;  // fraction of that variance which grows with the light
   bool is_mosaic = false;   // the camera makes uyvy and rgb24 from a Bayer sensor
-  int jpeg_quality = 0;     // 0: not compressed on the way
+  int jpeg_quality = 0;     // 0: not compressed
   std::vector<HotPixel> hot_pixels;
 };
 
-/// A Gaussian blur in place.
+/// Gaussian blur, in place.
 void blur(Picture& picture, double sigma_px);
 
-/// What the camera sends: kUyvy, kRgb24 or kBayerRg8. Bayer pictures are never compressed.
+/// The camera's output: kUyvy, kRgb24 or kBayerRg8. Bayer images are never compressed.
 std::vector<std::uint8_t> camera_bytes(const Picture& light, const Sensor& sensor, PixelFormat format,
                                        Chance chance);
 

@@ -19,7 +19,7 @@ constexpr std::uint64_t mixed(std::uint64_t x) {
 }
 
 /// Random numbers that depend only on a seed, a purpose and a number: a frame looks the same whichever frames
-/// were drawn before it.
+/// were drawn before.
 class Chance {
  public:
   Chance(std::uint64_t seed, std::string_view purpose, std::uint64_t number = 0) : state_(mixed(seed)) {
@@ -51,7 +51,7 @@ class Chance {
   std::uint64_t state_;
 };
 
-/// -1..1, the same for the same cell.
+/// Noise in -1..1 that is constant per cell.
 inline float cell_noise(std::int32_t x, std::int32_t y, std::uint32_t seed) {
   std::uint32_t h = static_cast<std::uint32_t>(x) * 0x8DA6B343U ^
                     static_cast<std::uint32_t>(y) * 0xD8163841U ^ seed * 0xCB1AB31FU;
@@ -61,7 +61,7 @@ inline float cell_noise(std::int32_t x, std::int32_t y, std::uint32_t seed) {
   return static_cast<float>(h) * 0x1p-31F - 1;
 }
 
-/// Smooth, within -1..1, standard deviation about 0.35; one bump a unit.
+/// Smooth noise within -1..1, standard deviation about 0.35, one bump per unit.
 inline float smooth_noise(double x, double y, std::uint32_t seed) {
   const double fx = std::floor(x), fy = std::floor(y);
   const auto ix = static_cast<std::int32_t>(fx), iy = static_cast<std::int32_t>(fy);

@@ -9,10 +9,10 @@
 namespace sslv::halls {
 namespace {
 
-// Rays a side of a pixel: the centre of a dot of 9 px is then right to .006 px (rms).
+// Rays per side of a pixel: places the centre of a 9 px dot within 0.006 px (rms).
 constexpr int kRaysOfPlay = 8;
 constexpr int kRaysOfFurniture = 4;
-// What moves is drawn at so many moments of the exposure: at 4 m/s and 8 ms they are 4 mm apart.
+// Number of moments of the exposure at which moving things are drawn: at 4 m/s and 8 ms, 4 mm apart.
 constexpr int kMoments = 8;
 
 Eigen::AlignedBox2d lit_area(const Hall& hall) {
@@ -37,7 +37,7 @@ Painter::Painter(const Hall& hall, const CameraModel& camera)
 void Painter::draw_floor() {
   FloorPatch patch(hall_.floor);
   const int width = still_.width;
-  // Of this row and the next one, with one place more at the end.
+  // The corners of this row's and the next row's pixels.
   std::vector<Eigen::Vector2d> here(static_cast<std::size_t>(width + 1)), below(here);
   const auto look_at_row = [&](int y, std::vector<Eigen::Vector2d>& places) {
     for (int x = 0; x <= width; ++x)
@@ -91,7 +91,7 @@ void Painter::draw_solids(std::span<const Solid* const> solids, const LightMap* 
   const int rays = covered != nullptr ? kRaysOfFurniture : kRaysOfPlay;
   const auto all = static_cast<float>(rays * rays * moments);
   for (std::size_t i = 0; i < solids.size(); ++i) {
-    // A pixel where boxes overlap is drawn once, with all that may show in it, by the first of them.
+    // A pixel in several boxes is drawn once, by the first box, with everything that may be visible in it.
     std::vector<std::size_t> near;
     for (std::size_t j = 0; j < solids.size(); ++j) {
       if (boxes[i].overlaps(boxes[j])) near.push_back(j);
@@ -138,7 +138,7 @@ void Painter::draw_solids(std::span<const Solid* const> solids, const LightMap* 
   }
 }
 
-/// Each lamp throws a soft shadow away from itself; and little light gets below a thing at all.
+/// Each lamp casts a soft shadow; in addition little light reaches the floor right beside an object.
 void Painter::cast_shadow(const Eigen::Vector2d& at_mm, double radius_mm, double height_mm,
                           Picture& picture) const {
   const LightFrom light = light_.from(at_mm);

@@ -12,21 +12,21 @@
 
 namespace sslv::halls {
 
-/// Draws the frames of one hall in linear light, as its sensor receives them.
+/// Draws the frames of one hall in linear light, as received by its sensor.
 class Painter {
  public:
-  /// Draws everything that stays; takes a second or so for large pictures.
+  /// Draws everything static; takes about a second for large images.
   Painter(const Hall& hall, const CameraModel& camera);
 
-  /// Nonzero where something lies or stands that is no part of the play.
+  /// Nonzero where something is that does not belong to the play.
   const std::vector<std::uint8_t>& obstacles() const { return obstacles_; }
 
-  /// `light`: the lamps of this frame against the average.
+  /// `light`: brightness of this frame's lamps relative to the average.
   Picture frame(const Play& play, int number, double light);
 
  private:
   struct Box {
-    int left, top, right, bottom;  // the last two just outside
+    int left, top, right, bottom;  // right and bottom are exclusive
     bool overlaps(const Box& o) const {
       return left < o.right && o.left < right && top < o.bottom && o.top < bottom;
     }
@@ -34,7 +34,7 @@ class Painter {
   };
   Box box_around(const Sphere& sphere) const;
   void draw_floor();
-  /// `travel_mm`: how far things come from their places during the frame.
+  /// `travel_mm`: how far objects move away from their places during the frame.
   void draw_solids(std::span<const Solid* const> solids, const LightMap* light, Picture& picture,
                    std::vector<std::uint8_t>* covered, double travel_mm) const;
   void cast_shadow(const Eigen::Vector2d& at_mm, double radius_mm, double height_mm, Picture& picture) const;
@@ -42,7 +42,7 @@ class Painter {
   const Hall& hall_;
   const CameraModel& camera_;
   LightMap light_;
-  Picture still_;  // in even light
+  Picture still_;  // under even light
   std::vector<std::uint8_t> obstacles_;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws halls that the simulator does not know: an independent referee for colours and detection. It shares
-// the league's camera model and field lines with the service and nothing with the simulator.
+// Draws halls independently of the simulator, to evaluate colours and detection. Shares the league's camera
+// model and field lines with the service, and nothing with the simulator.
 
 #include "base/json.h"
 #include "camera_bytes.h"
@@ -55,7 +55,7 @@ Json calibration_json(const CameraCalibration& c) {
           {"pixel_image_height", c.pixel_image_height}};
 }
 
-/// What the service is told: the field, the camera, the heights; nothing of colours.
+/// The service's settings: field, camera and heights, but no colours.
 Json settings_json(const Hall& hall, PixelFormat format) {
   const FieldSize& f = hall.field;
   return {{"site", "A drawn hall"},
@@ -119,7 +119,7 @@ void write_file(const std::filesystem::path& path, const std::string& header,
   if (!out.flush()) throw std::runtime_error("cannot write " + path.string());
 }
 
-/// The lamps of a frame: drawn anew for each, or drifting where frames follow each other.
+/// Brightness of a frame's lamps: random for each frame, or drifting if the frames are consecutive.
 double lamps_of(const Options& o, std::uint64_t hall_seed, int frame) {
   if (o.lamps.empty()) return o.light;
   if (o.play.placement == Placement::kScatter) {

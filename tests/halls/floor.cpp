@@ -10,7 +10,7 @@
 namespace sslv::halls {
 namespace {
 
-/// Where the tile begins and which one it is.
+/// The index of a tile, and the distance to its edge.
 struct TilePlace {
   std::int32_t x, y;
   double from_edge_mm;
@@ -36,7 +36,7 @@ double Stripe::distance_mm(const Eigen::Vector2d& point_mm) const {
 void paint_lines(const FieldSize& field, const Color& color, Floor& floor) {
   for (const FieldLine& line : field_lines(field)) {
     const Eigen::Vector2d a(line.x1, line.y1), b(line.x2, line.y2);
-    // Both lines of a corner end with the other one's outer edge.
+    // The two lines of a corner end at each other's outer edge.
     const Eigen::Vector2d end = (b - a).normalized() * (line.thickness / 2);
     floor.stripes.push_back({a - end, b + end, line.thickness / 2, color});
   }
@@ -45,12 +45,12 @@ void paint_lines(const FieldSize& field, const Color& color, Floor& floor) {
   }
 }
 
-/// What changes slowly, by channel.
+/// Low-frequency variation, per channel.
 Color FloorPatch::carpet_tone(const Eigen::Vector2d& p) const {
   const Carpet& c = floor_.carpet;
   double tone = 1, red = 0, blue = 0;
   if (c.blotches > 0) {
-    // Three octaves of about .35, .35 and .35 make a standard deviation of about .42 in all.
+    // Three octaves with standard deviations of 0.35 times their weights add up to about 0.42.
     const double bumps =
         smooth_noise(p.x() / c.blotch_mm, p.y() / c.blotch_mm, c.seed) +
         0.55 * smooth_noise(2.7 * p.x() / c.blotch_mm, 2.7 * p.y() / c.blotch_mm, c.seed + 1) +
@@ -58,7 +58,7 @@ Color FloorPatch::carpet_tone(const Eigen::Vector2d& p) const {
     tone += c.blotches * bumps / 0.42;
   }
   if (c.brush > 0) {
-    // A patch ends rather sharply.
+    // A patch has rather sharp edges.
     const double side = smooth_noise(p.x() / 700, p.y() / 900, c.seed + 3) +
                         0.3 * smooth_noise(p.x() / 90, p.y() / 90, c.seed + 4);
     tone += c.brush * std::clamp(4 * side, -1.0, 1.0);
@@ -69,7 +69,7 @@ Color FloorPatch::carpet_tone(const Eigen::Vector2d& p) const {
             0.5 * c.tiles * cell_noise(tile.x, tile.y, c.seed + 5);
   }
   if (c.worn > 0) {
-    // Most play runs along the middle and around the penalty areas.
+    // Most play is along the middle and around the penalty areas.
     const double along = std::exp(-std::pow(p.y() / (0.17 * c.field_width_mm), 2));
     const double goal =
         std::hypot(std::abs(p.x()) - 0.38 * c.field_length_mm, p.y() / 1.6) - 0.16 * c.field_width_mm;
@@ -88,7 +88,7 @@ Color FloorPatch::carpet_tone(const Eigen::Vector2d& p) const {
           static_cast<float>(std::max(0.05, tone + blue))};
 }
 
-/// The carpet's fine structure over its tone.
+/// The carpet with its fine structure.
 Color FloorPatch::carpet(const Eigen::Vector2d& p) const {
   const Carpet& c = floor_.carpet;
   double grain = 1;

@@ -11,12 +11,12 @@
 namespace sslv::halls {
 namespace {
 
-/// A side of the field: from `a` along `along` to `b`; `outward` leads away from the field.
+/// A side of the field: from `a` along `along` to `b`; `outward` points away from the field.
 struct Side {
   Eigen::Vector2d a, b, along, outward;
   double boundary_mm;
   bool has_goal, has_boards = false;
-  double board_at_mm = 0;  // from the line to the boards' faces
+  double board_at_mm = 0;  // distance of the boards' faces from the line
 };
 
 class Furnisher {
@@ -28,7 +28,7 @@ class Furnisher {
         transfer_(hall.sensor.transfer),
         is_hard_(hall.options.kind == Kind::kHard) {
     const double x = hall.field.field_length / 2.0, y = hall.field.field_width / 2.0;
-    const double end = camera_.position_mm().x() < 0 ? -x : x;  // the goal line in sight
+    const double end = camera_.position_mm().x() < 0 ? -x : x;  // the visible goal line
     sides_ = {
         Side{{-x, y}, {x, y}, {1, 0}, {0, 1}, double(hall.field.boundary_width), false},
         Side{{-x, -y}, {x, -y}, {1, 0}, {0, -1}, double(hall.field.boundary_width), false},
@@ -65,13 +65,13 @@ class Furnisher {
       const double length = chance_.log_uniform(15, 200);
       switch (chance_.whole(0, 2)) {
         case 0: stripe(at, length, chance_.uniform(0.2, 1) * length, color); break;
-        case 1:  // a flat or a standing box
+        case 1:  // a flat box
           hall_.furniture.push_back(
               std::make_unique<Box>(Eigen::Vector3d(at.x(), at.y(), 10),
                                     Eigen::Vector3d(length / 2, length / 2 * chance_.uniform(0.5, 1), 10),
                                     chance_.uniform(0, 3), Box::Look{color, color, ""}));
           break;
-        default: {  // an egg that is no ball
+        default: {  // an egg, not a ball
           const double flat = chance_.uniform(0.3, 0.6);
           hall_.furniture.push_back(std::make_unique<Ellipsoid>(
               Eigen::Vector3d(at.x(), at.y(), 8), Eigen::Vector3d(length / 2, length / 2 * flat, 8),
@@ -88,7 +88,7 @@ class Furnisher {
            pixel->y() < hall_.calibration.pixel_image_height;
   }
 
-  /// Somewhere along a side that the camera sees, so far outside its line.
+  /// A visible place along a side, at a distance outside its line.
   struct Rim {
     Eigen::Vector2d at;
     const Side* side;
@@ -176,7 +176,7 @@ class Furnisher {
     return chance_.one_of(kColors).in(transfer_);
   }
 
-  /// Somebody who stands there.
+  /// A standing person.
   void put_person(double min_out_mm) {
     constexpr Seen kShoes[]{{28, 28, 30},  {230, 230, 232}, {190, 40, 40},
                             {45, 80, 180}, {225, 110, 35},  {90, 90, 95}};
@@ -202,7 +202,7 @@ class Furnisher {
     put_body(place.at + 30 * place.side->outward, 1150, facing, chance_.happens(0.5) ? cloth() : shirt());
   }
 
-  /// From the hips upwards.
+  /// Torso, arms and head.
   void put_body(const Eigen::Vector2d& at, double z, double facing, const Color& color) {
     const Eigen::Vector2d front(std::cos(facing), std::sin(facing)), left(-front.y(), front.x());
     hall_.furniture.push_back(std::make_unique<Ellipsoid>(Eigen::Vector3d(at.x(), at.y(), z),
@@ -261,7 +261,7 @@ class Furnisher {
     stripe(place.at, chance_.uniform(20, 70), chance_.uniform(15, 50), color);
   }
 
-  /// A hand over the field, as when somebody takes out a robot.
+  /// A hand over the field, like that of a person who removes a robot.
   void reach_in() {
     const Rim place = rim(-350, -120, false);
     const Color color = skin(), sleeve = chance_.happens(0.5) ? color : cloth();
@@ -285,13 +285,14 @@ class Furnisher {
     hall_.furniture.push_back(std::make_unique<Capsule>(at(-300, 18, 145), at(-800, 60, 480), 52, sleeve));
   }
 
-  /// Somebody's head and shoulders in the picture, beyond the lines on the floor.
+  /// The head and shoulders of a person who leans into the image; on the floor they cover places outside the
+  /// lines.
   void lean_in() {
     const Rim place = rim(60, 260, false);
     const Color color = shirt();
     const Eigen::Vector3d eye = camera_.position_mm();
     const double z = chance_.uniform(900, 1200);
-    // Where it hides that place of the floor from the camera.
+    // The point at `height` that covers this place of the floor for the camera.
     const auto hiding = [&](const Eigen::Vector2d& floor, double height) -> Eigen::Vector3d {
       return Eigen::Vector3d(floor.x(), floor.y(), 0) +
              (eye - Eigen::Vector3d(floor.x(), floor.y(), 0)) * (height / eye.z());

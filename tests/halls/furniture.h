@@ -5,8 +5,8 @@
 
 namespace sslv::halls {
 
-/// Puts boards, goals, people, cables, cones and tape into a hall as its kind has them, where its camera sees
-/// them; and distractors as its options say.
+/// Adds the boards, goals, people, cables, cones and tape of a hall's kind where its camera sees them, and
+/// the distractors of its options.
 void furnish(Hall& hall);
 
 }  // namespace sslv::halls

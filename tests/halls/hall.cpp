@@ -48,7 +48,7 @@ CameraCalibration calibration_of(Size size) {
           -0.0030837, 9.972,  -3150.752, 5989.173, 2448,        2048};
 }
 
-/// Turns the camera where it is, about its own axes.
+/// Rotates the camera about its own axes without moving it.
 void turn(CameraCalibration& c, double about_x_deg, double about_y_deg, double about_z_deg) {
   const double rad = std::numbers::pi / 180;
   const Eigen::Quaterniond before = Eigen::Quaterniond(c.q3, c.q0, c.q1, c.q2).normalized();
@@ -69,7 +69,7 @@ void turn(CameraCalibration& c, double about_x_deg, double about_y_deg, double a
 
 void set_px_per_mm(CameraCalibration& c, double px_per_mm) {
   const Eigen::Vector2d middle((c.pixel_image_width - 1) / 2.0, (c.pixel_image_height - 1) / 2.0);
-  // The middle is hardly distorted, so that the scale there goes with the focal length.
+  // The centre is hardly distorted, so its scale is almost proportional to the focal length.
   for (int step = 0; step < 3; ++step) {
     c.focal_length *= px_per_mm * std::sqrt(CameraModel(c).mm2_per_px(middle, 0));
   }
@@ -82,7 +82,7 @@ Eigen::AlignedBox2d with_boundary(const FieldSize& field, double more_mm) {
 }
 
 void hang_lamps(Hall& hall, Chance& chance) {
-  // Rows of lamps over the field, none quite like the next one.
+  // Rows of lamps over the field, all slightly different.
   const int columns = hall.options.size == Size::kC ? 4 : 3, rows = hall.options.size == Size::kA ? 2 : 3;
   const double height_mm = chance.uniform(4500, 8000);
   for (int i = 0; i < columns; ++i) {
@@ -100,7 +100,7 @@ void cast(Hall& hall, Chance& chance, double strength) {
   for (Lamp& lamp : hall.lighting.lamps) lamp.tint *= tint;
 }
 
-/// Adds a low, warm window beside the field.
+/// Adds a low window with warm light beside the field.
 void add_window(Hall& hall, Chance& chance) {
   const double side = chance.sign();
   hall.lighting.lamps.push_back({{chance.uniform(-0.5, 0.1) * hall.field.field_length,
@@ -183,7 +183,7 @@ Prints print(Chance& chance, std::size_t team, bool hard, Transfer transfer) {
                           {130, 230, 100}, {70, 200, 85},  {55, 178, 80}};
   constexpr Seen kYellow[]{{245, 215, 40}, {235, 195, 30}, {250, 225, 85}, {242, 178, 30}};
   constexpr Seen kBlue[]{{45, 100, 220}, {35, 130, 225}, {55, 85, 200}, {75, 125, 240}, {32, 62, 150}};
-  // The last of each list are what only some printers make of it.
+  // The last of each list come from some printers only.
   const auto pick = [&](const auto& list, int rare) {
     return list[static_cast<std::size_t>(
                     chance.whole(0, static_cast<int>(std::size(list)) - 1 - (hard ? 0 : rare)))]
@@ -211,7 +211,7 @@ void make_acceptance(Hall& hall, Chance& chance) {
   const Color pink = Seen{236, 84, 168}.in(transfer), green = Seen{70, 214, 94}.in(transfer);
   hall.prints = {Prints{Seen{226, 178, 36}.in(transfer), pink, green, top, side},
                  Prints{Seen{46, 112, 232}.in(transfer), pink, green, top, side}};
-  // Green dots are then 1.9 to 2.4 times as bright as the carpet.
+  // This makes green dots 1.9 to 2.4 times as bright as the carpet.
   hall.brightness_spread = 0.11;
   hall.ball.color = Seen{242, 116, 34}.in(transfer);
 }
@@ -266,14 +266,14 @@ Robot::Look Hall::robot_look(std::size_t team, int id) const {
   look.front_mm = chance.uniform(55.5, 58);
   look.top = print.top;
   look.side = print.side;
-  // Old prints lose colour to the white of the paper.
+  // Old prints fade towards the white of the paper.
   const auto share = static_cast<float>(chance.uniform(0, fade));
   const auto bright = static_cast<float>(1 + brightness_spread * chance.uniform(-1, 1));
   const Color paper = Seen{200, 200, 195}.in(sensor.transfer);
   const auto printed = [&](const Color& color, float faded) -> Color {
     return (color * (1 - faded) + paper * faded) * bright;
   };
-  // Cyan holds longest.
+  // Cyan fades least.
   look.dots[0] = printed(print.center, team == 1 ? share / 2 : share);
   for (std::size_t i = 0; i < 4; ++i) {
     look.dots[i + 1] =
@@ -302,7 +302,7 @@ Hall make_hall(const HallOptions& options) {
     turn(hall.calibration, options.tilt_deg, 0, 0);
     make_acceptance(hall, chance);
   } else {
-    // Nobody hangs a camera quite like that; and some more of the hall is seen.
+    // Real cameras deviate from that pose; and more of the hall is in view.
     turn(hall.calibration, options.tilt_deg + chance.uniform(-2, 2), chance.uniform(-2, 2),
          chance.uniform(-3, 3));
     hall.calibration.focal_length *= chance.uniform(0.9, 1);

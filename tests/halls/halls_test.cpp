@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The referee's own truth: what it draws lies where it says.
+// The renderer's own ground truth: objects are drawn at the stated places.
 
 #include "camera_bytes.h"
 #include "draw.h"
@@ -14,7 +14,7 @@
 namespace sslv::halls {
 namespace {
 
-/// A hall with everything that draws it.
+/// A hall with everything needed to draw it.
 struct Drawn {
   explicit Drawn(const HallOptions& options, const PlayOptions& play = {})
       : hall(make_hall(options)),
@@ -29,7 +29,7 @@ struct Drawn {
   Game game;
 };
 
-/// Where the brightness above its least around a place lies in the middle.
+/// Centroid of the brightness above the local minimum, within `reach_px` of a place.
 Eigen::Vector2d center_of_light(Picture& picture, const Eigen::Vector2d& around, double reach_px) {
   double least = 1e9;
   for (const bool first : {true, false}) {
@@ -55,7 +55,7 @@ Eigen::Vector2d center_of_light(Picture& picture, const Eigen::Vector2d& around,
 TEST(Halls, DotsLieWhereTheTruthSaysThatTheyAre) {
   HallOptions options;
   options.kind = Kind::kAcceptance;
-  options.uneven = options.vignette = 0;  // light that falls off across a dot moves its brightness
+  options.uneven = options.vignette = 0;  // a brightness gradient across a dot would shift its centroid
   Drawn drawn(options);
   for (int frame = 1; frame <= 3; ++frame) {
     const Play play = drawn.game.at(frame);
@@ -67,7 +67,7 @@ TEST(Halls, DotsLieWhereTheTruthSaysThatTheyAre) {
                                    robot.solid.look().height_mm);
       const Eigen::Vector2d truth = drawn.camera.project(center).value();
       const double px_per_mm = 1 / std::sqrt(drawn.camera.mm2_per_px(truth, center.z()));
-      // The centre dot ends at 25 mm; the next ones begin at 45 mm.
+      // The centre dot ends at a radius of 25 mm; the next dots begin at 45 mm.
       const Eigen::Vector2d found = center_of_light(picture, truth, 35 * px_per_mm);
       EXPECT_LT((found - truth).norm(), 0.02) << "frame " << frame << ", id " << robot.id;
       ++seen;

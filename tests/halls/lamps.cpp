@@ -8,7 +8,7 @@
 namespace sslv::halls {
 namespace {
 
-/// Of a flat lamp that hangs parallel to the floor.
+/// Light of a flat lamp that hangs parallel to the floor.
 double light_of(const Lamp& lamp, const Eigen::Vector2d& floor_mm) {
   const double z2 = lamp.at_mm.z() * lamp.at_mm.z();
   const double distance2 = (lamp.at_mm.head<2>() - floor_mm).squaredNorm() + z2;

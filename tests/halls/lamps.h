@@ -19,28 +19,28 @@ struct Lamp {
   Color tint = Color::Ones();
 };
 
-/// What the lamps of a hall do to its light.
+/// The light in a hall.
 struct Lighting {
   std::vector<Lamp> lamps;
-  /// The light on the seen part of the field lies within 1 - uneven .. 1 + uneven of its mean, and reaches
-  /// one of both.
+  /// The light on the visible part of the field is within 1 - uneven .. 1 + uneven of its mean, and reaches
+  /// one of these bounds.
   double uneven = 0.15;
-  double vignette = 0.15;     // the corners of the picture are darker by this share
-  double lamp_jitter = 0;     // standard deviation of each lamp from frame to frame
-  double banding = 0;         // brightness of the bands of a mains flicker, as a share
-  double banding_rows = 200;  // one band
+  double vignette = 0.15;     // relative darkening of the image corners
+  double lamp_jitter = 0;     // standard deviation of each lamp between frames
+  double banding = 0;         // relative amplitude of mains flicker bands
+  double banding_rows = 200;  // period of the bands
 };
 
-/// Light on the floor as one picture shows it: a grid of nodes every few pixels, linear in between.
+/// Light on the floor per image pixel: a grid of nodes every few pixels, linearly interpolated.
 class LightMap {
  public:
-  /// `area_mm`: over which the lamps are uneven.
+  /// `area_mm`: the area over which the unevenness is defined.
   LightMap(const Lighting& lighting, const CameraModel& camera, const Eigen::AlignedBox2d& area_mm);
 
-  /// Lets each lamp shine so much.
+  /// Sets the brightness of each lamp.
   void shine(std::span<const double> factors);
   Color at(double pixel_x, double pixel_y) const;
-  /// Multiplies a row of colours with the light that falls there.
+  /// Multiplies a row of colours by the light there.
   void light_row(int y, std::span<Color> row) const;
 
   LightFrom from(const Eigen::Vector2d& place_mm) const;

@@ -9,14 +9,14 @@
 
 namespace sslv::halls {
 
-/// Red, green and blue in linear light; at 1 the sensor is full. A thing's colour is what the camera receives
-/// from it where lamps shine as they do on average.
+/// Red, green and blue in linear light; 1 saturates the sensor. An object's colour is what the camera
+/// receives from it in average light.
 using Color = Eigen::Array3f;
 
-/// How a camera makes 8 bits of light. Cameras differ: "gamma" is on in some, off in others.
+/// A camera's conversion of light to 8 bits. Cameras differ: some apply a "gamma".
 enum class Transfer : std::uint8_t { kLinear, kSrgb };
 
-/// 0..1 each; kSrgb is IEC 61966-2-1.
+/// Both within 0..1; kSrgb is IEC 61966-2-1.
 inline float encoded(float light, Transfer transfer) {
   if (transfer == Transfer::kLinear) return light;
   return light <= 0.0031308F ? 12.92F * light : 1.055F * std::pow(light, 1 / 2.4F) - 0.055F;
@@ -26,7 +26,7 @@ inline float decoded(float code, Transfer transfer) {
   return code <= 0.04045F ? code / 12.92F : std::pow((code + 0.055F) / 1.055F, 2.4F);
 }
 
-/// The colour that shows as these 8-bit values, which may lie above 255, in average light.
+/// The colour that appears as these 8-bit values, which may exceed 255, in average light.
 struct Seen {
   double r, g, b;
   Color in(Transfer transfer) const {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the check of painted lines judges halls that the simulator does not know: with the true calibration,
-// and with a camera that was moved, turned, or told other sizes of the field. A table for each kind of hall.
+// Verdicts of the painted-line check on halls that the simulator does not know: with the true calibration,
+// and with a camera that was moved or configured with another field size. One table row per kind of hall.
 
 #include "calibration/check_lines.h"
 #include "draw.h"
@@ -93,7 +93,7 @@ void table(Kind kind, const char* name, Size size, PixelFormat format, int seeds
       }
       ++k;
     }
-    // A camera over half of the field may show none of the lines that the other division has.
+    // A camera over half of the field may see none of the lines in which the other division differs.
     FieldSize other = field_preset(size == Size::kB ? "division-a" : "division-b", "");
     if (size == Size::kA) {
       other = hall.field;

@@ -17,7 +17,7 @@ bool is_in_picture(const CameraModel& camera, const Eigen::Vector2d& pixel) {
          pixel.y() <= camera.calibration().pixel_image_height - 0.5;
 }
 
-/// Share of points that lie in the picture and that no robot other than `own` hides.
+/// Fraction of the points that are within the image and not hidden by a robot other than `own`.
 double share_seen(const CameraModel& camera, const std::vector<Eigen::Vector3d>& points,
                   const std::vector<PlayedRobot>& robots, const PlayedRobot* own) {
   std::size_t seen = 0;
@@ -83,7 +83,7 @@ Play Game::at(int frame) const {
   return play;
 }
 
-/// A place that the camera sees, not further beyond the lines than that.
+/// A random visible place, at most `beyond_lines_mm` outside the lines.
 std::optional<Eigen::Vector2d> Game::random_place(Chance& chance, double height_mm,
                                                   double beyond_lines_mm) const {
   const auto& c = camera_.calibration();
@@ -140,7 +140,7 @@ Play Game::scattered(int frame) const {
 }
 
 double Game::ball_share(const Eigen::Vector2d& at_mm, const Play& play) const {
-  // The disc through the ball's middle that the camera sees it as.
+  // The ball's disc as seen by the camera, through its centre.
   const Eigen::Vector3d center(at_mm.x(), at_mm.y(), Ball::kRadiusMm);
   const Eigen::Vector3d view = (center - camera_.position_mm()).normalized();
   const Eigen::Vector3d across = view.unitOrthogonal(), up = view.cross(across);
@@ -207,7 +207,7 @@ void Game::place_ball(Chance& chance, Play& play) const {
   }
 }
 
-/// One cell of the field for each robot and ball, which it does not leave.
+/// Assigns each robot and ball a cell of the field that it does not leave.
 void Game::plan_paths() {
   Chance chance(hall_.seed, "paths");
   const int robots = 2 * options_.robots;

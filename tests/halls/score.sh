@@ -1,13 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# One line for each hall that draw_halls draws: colours are learnt from its first frames, then other frames of it are processed and scored.
+# One line for each hall drawn by draw_halls: learns colours from its first frames, then processes and scores other
+# frames.
 #
 #   tests/halls/score.sh [--learn N] [--learn-light F] [--frames M] [--light F] [--kinds "usual hard acceptance"] [--sizes "A B C"]
 #       [--formats "uyvy rgb24 bayer_rg8"] [--seeds "1 2 3 4"] [--ball-share 0.4] [--keep FOLDER] [-- OPTIONS OF draw_halls]
 #
-# DRAW_HALLS and SSL_VISIONCTL name the programs; without them those of build/release. Every frame is lit differently as suits the
-# kind, unless --learn-light and --light give those that are learnt from and the others a fixed factor. Balls count when all of them
-# shows, or at least the share that --ball-share gives. Times are those of a computer that may have other work.
+# DRAW_HALLS and SSL_VISIONCTL name the programs; default: those of build/release. Each frame has its own light, as
+# suits the kind; --learn-light and --light give the frames for learning and the others a fixed factor instead. Balls
+# count when fully visible, or by at least the fraction --ball-share. Times depend on the computer's other load.
 set -eu
 
 here=$(cd "$(dirname "$0")" && pwd)
@@ -41,7 +42,7 @@ else
   trap 'rm -rf "$top"' EXIT
 fi
 
-# The members of a line, from the JSON that `score` prints.
+# The columns of a line, from the JSON that `score` prints.
 line_of='"\(.robots.found)/\(.robots.expected) \(.robots.recall*10000|round/10000) \(.robots.wrong_id) \(.robots.invented) \(.robot_position_mm.rms*1000|round/1000) \(.balls.found)/\(.balls.expected) \(.balls.recall*10000|round/10000) \(.balls.invented) \(.ball_position_mm.rms*1000|round/1000)"'
 
 printf '%-10s %-4s %-9s %4s %-6s %-9s %-7s %5s %5s %7s %-7s %-7s %5s %7s %9s\n' \

@@ -21,25 +21,25 @@ constexpr std::array<DotPlace, 5> kDots{DotPlace{0, 0, 25}, DotPlace{35, 54.772,
                                         DotPlace{-54.772, 35, 20}, DotPlace{-54.772, -35, 20},
                                         DotPlace{35, -54.772, 20}};
 
-/// Light from everywhere above, most of it from right above.
+/// Diffuse light, mostly from above.
 Color shaded(const Color& color, double normal_z) {
   return color * static_cast<float>(0.4 + 0.6 * std::max(0.0, normal_z));
 }
 
-/// Where t is within both.
+/// An interval of the ray parameter t.
 struct Span {
   double from = -kInfinity, to = kInfinity;
   bool empty() const { return !(from < to); }
 };
 
-/// Where a + t b lies within -half..half.
+/// The interval of t in which a + t b is within -half..half.
 Span slab(double a, double b, double half) {
   if (std::abs(b) < 1e-12) return std::abs(a) < half ? Span{} : Span{1, 0};
   const double s = (-half - a) / b, t = (half - a) / b;
   return {std::min(s, t), std::max(s, t)};
 }
 
-/// The lesser root of a t^2 + 2 b t + c = 0, a > 0, and the other one.
+/// The interval between the roots of a t^2 + 2 b t + c = 0, a > 0; empty if there are none.
 Span roots(double a, double b, double c) {
   const double discriminant = b * b - a * c;
   if (a <= 0 || discriminant <= 0) return {1, 0};
@@ -47,7 +47,7 @@ Span roots(double a, double b, double c) {
   return {(-b - root) / a, (-b + root) / a};
 }
 
-// Letters of 5 x 7, a row a byte, the leftmost the highest of five bits.
+// Letters of 5 x 7 pixels, one byte per row, the leftmost pixel in the highest of five bits.
 struct Glyph {
   char letter;
   std::array<std::uint8_t, 7> rows;
@@ -97,7 +97,7 @@ Color Robot::top_color(const Eigen::Vector2d& p) const {
     const double x = p.x() - kDots[i].x, y = p.y() - kDots[i].y;
     if (x * x + y * y >= kDots[i].radius * kDots[i].radius) continue;
     if (look_.wear <= 0) return look_.dots[i];
-    // Scratches along one direction, and spots that lost their colour.
+    // Scratches in one direction, and faded spots.
     const float scratch = smooth_noise(p.x() / 3, p.y() / 25, look_.wear_seed) +
                           smooth_noise(p.x() / 9, p.y() / 9, look_.wear_seed + 1);
     const auto limit = static_cast<float>(0.9 - 1.1 * look_.wear);
@@ -120,7 +120,7 @@ std::optional<Hit> Robot::hit(const Ray& ray) const {
   const Eigen::Vector2d p = o + at_top * d;
   const double radius2 = look_.radius_mm * look_.radius_mm;
   if (p.x() <= look_.front_mm && p.squaredNorm() <= radius2) return Hit{at_top, top_color(p)};
-  // Beside the top: does the ray enter the outline before it meets the floor?
+  // Outside the top: does the ray enter the outline before it reaches the floor?
   Span inside = roots(d.squaredNorm(), o.dot(d), o.squaredNorm() - radius2);
   const double at_front = (look_.front_mm - o.x()) / d.x();
   if (d.x() < 0) inside.from = std::max(inside.from, at_front);
@@ -141,7 +141,7 @@ std::optional<Hit> Ball::hit(const Ray& ray) const {
   if (inside.empty()) return std::nullopt;
   const Eigen::Vector3f normal = ((from + inside.from * ray.direction) / kRadiusMm).cast<float>();
   const Eigen::Vector3f to_eye = -ray.direction.normalized().cast<float>();
-  // A third of the light comes from the room, the rest from lamps; upwards it adds up to 1.
+  // A third of the light is ambient, the rest comes from lamps; on an upward surface they add up to 1.
   float direct = 0, upwards = 0, mirrored = 0;
   for (std::size_t i = 0; i < light_.directions.size(); ++i) {
     const Eigen::Vector3f& lamp = light_.directions[i];
@@ -168,7 +168,7 @@ std::optional<Hit> Ellipsoid::hit(const Ray& ray) const {
 }
 
 std::optional<Hit> Capsule::hit(const Ray& ray) const {
-  // The cylinder between the ends, then the two balls at them.
+  // The cylinder between the ends, then the spheres at the ends.
   const Eigen::Vector3d axis = b_ - a_, from = ray.origin - a_;
   const double length2 = axis.squaredNorm();
   const double d_axis = ray.direction.dot(axis), o_axis = from.dot(axis);
@@ -201,8 +201,8 @@ std::optional<Hit> Capsule::hit(const Ray& ray) const {
 std::optional<Hit> Cone::hit(const Ray& ray) const {
   const double to_top = (height_ - ray.origin.z()) / ray.direction.z();
   const Eigen::Vector2d o = ray.origin.head<2>() - at_, d = ray.direction.head<2>();
-  if ((o + to_top * d).norm() <= top_) return Hit{to_top, shaded(color_, 0.2)};  // one looks into it
-  // |o + t d| = base - slope z, squared.
+  if ((o + to_top * d).norm() <= top_) return Hit{to_top, shaded(color_, 0.2)};  // the open inside
+  // o + t d| = base - slope z, squared.
   const double slope = (base_ - top_) / height_;
   const double r0 = base_ - slope * ray.origin.z(), r1 = -slope * ray.direction.z();
   const double a = d.squaredNorm() - r1 * r1, b = o.dot(d) - r0 * r1, c = o.squaredNorm() - r0 * r0;
@@ -254,7 +254,7 @@ std::optional<Hit> Box::hit(const Ray& ray) const {
   if (inside.empty()) return std::nullopt;
   const Eigen::Vector3d p = o + inside.from * d;
   if (face == 2) return Hit{inside.from, look_.color};
-  // Letters read from the side that is looked at.
+  // Mirrored so that the letters are readable from the visible side.
   const bool ink = face == 1 && has_ink(p.y() < 0 ? p.x() + half_.x() : half_.x() - p.x(), p.z() + half_.z());
   return Hit{inside.from, shaded(ink ? look_.ink : look_.color, 0.4)};
 }

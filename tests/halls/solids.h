@@ -14,7 +14,7 @@
 
 namespace sslv::halls {
 
-/// A ray at a moment: things that move are elsewhere before and after the frame's own time, which is 0.
+/// A ray at a time relative to the frame's time: moving objects are displaced accordingly.
 struct Ray {
   Eigen::Vector3d origin, direction;
   double time_s = 0;
@@ -25,10 +25,10 @@ struct Motion {
   double spin_rad_s = 0;
 };
 
-/// `along` is in units of the ray's direction.
+/// `along`: in units of the ray's direction.
 struct Hit {
   double along;
-  Color color;  // with the thing's own shading
+  Color color;  // including shading
 };
 
 struct Sphere {
@@ -36,7 +36,7 @@ struct Sphere {
   double radius;
 };
 
-/// Something that stands or lies on the floor, in field millimetres; rays come from above.
+/// Something standing or lying on the floor, in field mm; rays come from above.
 class Solid {
  public:
   virtual ~Solid() = default;
@@ -51,7 +51,7 @@ class Robot final : public Solid {
     double height_mm = 140, radius_mm = 89, front_mm = 56;
     Color top, side;
     std::array<Color, 5> dots;  // centre, front left, rear left, rear right, front right
-    double wear = 0;            // share of a dot's print that is gone
+    double wear = 0;            // fraction of a dot's print that is worn off
     std::uint32_t wear_seed = 0;
   };
   Robot(const Eigen::Vector2d& at_mm, double orientation_rad, const Look& look, const Motion& motion = {});
@@ -62,9 +62,9 @@ class Robot final : public Solid {
   const Eigen::Vector2d& at_mm() const { return at_mm_; }
   const Look& look() const { return look_; }
   const Motion& motion() const { return motion_; }
-  /// Negative inside the outline seen from above.
+  /// Negative inside the outline as seen from above.
   double distance_to_outline_mm(const Eigen::Vector2d& point_mm) const;
-  /// Points spread evenly over the top, in field millimetres.
+  /// Points evenly spread over the top, in field mm.
   std::vector<Eigen::Vector3d> top_points() const;
 
  private:
@@ -77,7 +77,7 @@ class Robot final : public Solid {
   Motion motion_;
 };
 
-/// Where light comes from at one place: unit vectors and their shares of it.
+/// Directions of the light at one place: unit vectors and their shares.
 struct LightFrom {
   std::array<Eigen::Vector3f, 3> directions;
   std::array<float, 3> shares{};
@@ -88,7 +88,7 @@ class Ball final : public Solid {
   static constexpr double kRadiusMm = 21.5;
   struct Look {
     Color color = Color::Ones();
-    Color bounce = Color::Zero();  // the carpet's, which lights the ball from below
+    Color bounce = Color::Zero();  // of the carpet; lights the ball from below
     float gloss = 0;               // strength of a lamp's reflection
     float gloss_power = 80;
     std::uint32_t dimples = 0;
@@ -104,7 +104,7 @@ class Ball final : public Solid {
   Motion motion_;
 };
 
-/// An ellipsoid turned about the upright axis: shoes, palms, heads, bodies.
+/// An ellipsoid rotated about the vertical axis: shoes, palms, heads, bodies.
 class Ellipsoid final : public Solid {
  public:
   Ellipsoid(const Eigen::Vector3d& center, const Eigen::Vector3d& half_axes, double yaw_rad,
@@ -127,7 +127,7 @@ class Ellipsoid final : public Solid {
   Color color_;
 };
 
-/// All points within `radius` of a stretch: arms, fingers, legs.
+/// All points within `radius` of a line segment: arms, fingers, legs.
 class Capsule final : public Solid {
  public:
   Capsule(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double radius, const Color& color)
@@ -141,7 +141,7 @@ class Capsule final : public Solid {
   Color color_;
 };
 
-/// An upright cone with its tip cut off; a band around it may have another colour.
+/// An upright truncated cone; a band around it may have another colour.
 class Cone final : public Solid {
  public:
   Cone(const Eigen::Vector2d& at, double base_radius, double top_radius, double height, const Color& color,
@@ -156,13 +156,14 @@ class Cone final : public Solid {
   Color color_, band_;
 };
 
-/// A box on the floor, turned about the upright axis, with a word on its two long faces: boards, goal walls.
+/// A box on the floor, rotated about the vertical axis, with a word on its two long faces: boards, goal
+/// walls.
 class Box final : public Solid {
  public:
   struct Look {
     Color color, ink;
-    std::string word;   // of A B C E H I L N O P R S T U, repeated along the board
-    bool disc = false;  // a disc of ink behind each word
+    std::string word;   // letters A B C E H I L N O P R S T U; repeated along the board
+    bool disc = false;  // a disc of ink after each word
   };
   Box(const Eigen::Vector3d& center, const Eigen::Vector3d& half_size, double yaw_rad, Look look)
       : center_(center),

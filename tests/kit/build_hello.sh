@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# build_hello.sh PREFIX FOLDER: makes FOLDER/build/hello.so of the two files that docs/extending.md shows, against the
-# stage kit that is installed at PREFIX, as an author would.
+# build_hello.sh PREFIX FOLDER: builds FOLDER/build/hello.so from the two files shown in docs/extending.md, against the
+# stage kit installed at PREFIX, like an author.
 set -euo pipefail
 prefix=$(realpath "$1") docs=$(realpath "$(dirname "${BASH_SOURCE[0]}")/../../docs")
 rm -rf "$2" && mkdir -p "$2" && cd "$2"
 
-# The first block of code of its language.
+# The first code block in this language.
 block() { awk -v begin="^\`\`\`$1\$" '$0 ~ begin {inside = 1; next} /^```$/ {if (inside) exit} inside' "$docs/extending.md"; }
 block cpp >hello.cpp
 block cmake >CMakeLists.txt

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# installed.sh BUILD FOLDER: installs the stage kit of BUILD into FOLDER, builds the library of docs/extending.md
-# against it, and runs its stage.
+# installed.sh BUILD FOLDER: installs BUILD's stage kit into FOLDER, builds the library of docs/extending.md against it,
+# and runs its stage.
 set -euo pipefail
 build=$(realpath "$1") here=$(realpath "$(dirname "${BASH_SOURCE[0]}")")
 rm -rf "$2" && mkdir -p "$2" && cd "$2"
@@ -21,7 +21,7 @@ settings_with hello >settings.json
 grep -qx 'hello: 0 balls removed' said.txt || { cat said.txt >&2; exit 1; }
 [[ $(wc -l <frames.jsonl) == 3 ]]
 
-# A library with AddressSanitizer says where it writes out of range, as docs/extending.md promises.
+# A library with AddressSanitizer must report where it writes out of range, as docs/extending.md promises.
 mkdir faulty && cp "$here/libraries/out_of_range.cpp" faulty/
 printf '%s\n' 'cmake_minimum_required(VERSION 3.18)' 'project(faulty CXX)' 'find_package(SslVisiondStages REQUIRED)' \
   'ssl_visiond_stages(out_of_range out_of_range.cpp)' >faulty/CMakeLists.txt

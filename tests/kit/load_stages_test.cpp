@@ -17,7 +17,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-namespace sslv {
+namespace sslv::load_stages_test {
 namespace {
 
 using testing::HasSubstr;
@@ -38,27 +38,27 @@ std::string bytes_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// A folder with libraries of one's own making.
+/// A folder to which tests add libraries.
 class LibraryFolder : public testing::Test {
  protected:
   void put(const std::string& name, const std::string& bytes) {
     std::ofstream(folder_.path() / name, std::ios::binary) << bytes;
   }
-  /// Why the only library of the folder is left out; the loading itself must go on.
+  /// Why the folder's only library is skipped; loading itself must not fail.
   std::string why() {
     const LoadedStages loaded = load({folder_.path()});
     EXPECT_THAT(loaded.libraries, IsEmpty());
     return loaded.left_out.size() == 1 ? loaded.left_out.front().why
                                        : std::to_string(loaded.left_out.size()) + " left out";
   }
-  /// Likewise, of one that was built for these tests.
+  /// The same for a library that was built for these tests.
   static std::string why_not(const std::string& name) {
     const LoadedStages loaded = load({library(name).parent_path()});
     EXPECT_THAT(loaded.libraries, IsEmpty());
     EXPECT_THAT(loaded.left_out, SizeIs(1));
     return loaded.left_out.empty() ? "" : loaded.left_out.front().why;
   }
-  /// The good library with other bytes from `offset` into its stamp on.
+  /// The correct library with `changed` written at `offset` in its stamp.
   std::string with_stamp(std::size_t offset, const std::string& changed) {
     std::string bytes = bytes_of(library("counting"));
     const std::size_t at = bytes.find(std::string(kStampMagic) + '\0');
@@ -210,7 +210,7 @@ TEST_F(LibraryFolder, NeedsTheSameLayoutOfEveryType) {
     put("old.so", with_stamp(type + offsetof(StampedType, layout), "otherwis"));
     EXPECT_THAT(why(), StartsWith("has another layout of " + std::string(ours.types[i].name.data()) + " ("));
   }
-  // A type that only the library knows.
+  // A type that only the library has.
   put("old.so", with_stamp(offsetof(StageStamp, types) + ours.type_count * sizeof(StampedType), "Extra"));
   EXPECT_THAT(why(), StartsWith("has another layout of Extra (0 bytes)"));
 }
@@ -230,7 +230,7 @@ TEST_F(LibraryFolder, SurvivesWhatALibraryDoesWhenItIsLoaded) {
 }
 
 TEST_F(LibraryFolder, EndsALibraryThatNeverComesToAnEnd) {
-  // They have the time together, and take none from one that is good.
+  // They share the time limit, without affecting a correct library.
   for (const char* name : {"a.so", "b.so", "c.so"}) put(name, bytes_of(library("hangs_loading")));
   put("good.so", bytes_of(library("counting")));
   const LoadedStages loaded = load_stages({folder_.path()}, std::chrono::seconds(30));
@@ -240,4 +240,4 @@ TEST_F(LibraryFolder, EndsALibraryThatNeverComesToAnEnd) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::load_stages_test

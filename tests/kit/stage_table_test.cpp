@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stages from outside in the tables and in pipelines.
+// Stages of libraries in the tables and in pipelines.
 #include "config/config.h"
 #include "config/missing_stages.h"
 #include "config/stages.h"
@@ -12,7 +12,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::stage_table_test {
 namespace {
 
 using testing::ElementsAre;
@@ -20,7 +20,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-/// Before anything uses the tables, as a program does.
+/// Adds the libraries before anything uses the tables, like a program.
 class StageTable : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -58,7 +58,7 @@ TEST_F(StageTable, TakesStagesThatFitAndLeavesOutTheRest) {
 
 TEST_F(StageTable, HandsPartsFromOneLibraryToAnother) {
   const std::vector<std::string> stack{"count_balls", "tell_balls", "warn_of_balls"};
-  // Balls come from a stage of the test: the first one of the table finds none in no image.
+  // The frame has no image, so the built-in stages find no balls.
   Pipeline pipeline(stage_table(),
                     {"threshold", "find_runs", "find_regions", "detect_robots", "detect_balls", "count_balls",
                      "tell_balls", "warn_of_balls"},
@@ -166,4 +166,4 @@ TEST_F(StageTable, AllocatesNothingForAnImage) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::stage_table_test

@@ -1,141 +1,46 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# run.sh PACKAGES PROGRAMS FOLDER: installs the packages of the folder PACKAGES in a Debian 12 that boots in a
-# container, and tries all that an admin and bad luck do to it. PROGRAMS: folder with sample_client and
-# fake_gige_camera. The system is kept in FOLDER for the next time. Needs root. Exit code 77: cannot be done here.
-# TRIES: how often the service is killed (5); half as often it is made to hang.
+# shellcheck disable=SC1091,SC2034,SC2154  # machine.sh
+# run.sh PACKAGES PROGRAMS FOLDER: installs the packages in the folder PACKAGES on a Debian like this one that boots
+# in a container, and tests everything that admins and faults may do to it. PROGRAMS: folder with sample_client and
+# fake_gige_camera. The system is kept in FOLDER for the next run. Needs root. Exit code 77: not possible here.
+# TRIES: how often the service is killed (default: 5); it is made to hang half as often.
 set -euo pipefail
 packages=$(realpath "$1") programs=$(realpath "$2") here=$(realpath "$(dirname "${BASH_SOURCE[0]}")")
 mkdir -p "$3" && cd "$3"
 tries=${TRIES:-5}
 export CMAKE_GENERATOR=Ninja  # no make is needed here
-mirror=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
+. "$here/machine.sh"
 
-cannot() { printf 'package test: %s\n' "$*" >&2; exit 77; }
-((EUID == 0)) || cannot "needs root"
-for tool in debootstrap systemd-nspawn nsenter curl jq; do
-  command -v "$tool" >/dev/null || cannot "there is no $tool"
-done
 service=$(echo "$packages"/ssl-visiond_*.deb) dev=$(echo "$packages"/ssl-visiond-dev_*.deb)
 stages=$(echo "$packages"/ssl-visiond-stages-dev_*.deb)
 [[ -e $service && -e $dev && -e $stages ]] || { echo "package test: no packages in $packages" >&2; exit 64; }
 
-# ---- telling
+# ---- a bare Debian, and what apt needs to install the package without a network
 
-begun=$EPOCHREALTIME
-seconds_since() { awk -v from="$1" -v to="$EPOCHREALTIME" 'BEGIN {printf "%.1f", to - from}'; }
-passed() {
-  printf 'ok    %5s s  %s\n' "$(seconds_since "$begun")" "$*"
-  begun=$EPOCHREALTIME
-}
-failed() {
-  printf 'FAIL  %5s s  %s\n' "$(seconds_since "$begun")" "$*"
-  if [[ -n ${leader:-} ]]; then
-    inside systemctl --no-pager -n 0 status ssl-visiond || true
-    inside journalctl --no-pager -n 40 -u ssl-visiond | cut -c 1-300 || true
-  fi
-  exit 1
-}
-# check WHAT COMMAND...
-check() { if "${@:2}" >last.log 2>&1; then passed "$1"; else tail -n 20 last.log; failed "$1"; fi; }
-# eventually SECONDS COMMAND...
-eventually() {
-  local until=$((SECONDS + $1))
-  until "${@:2}"; do
-    ((SECONDS < until)) || return 1
-    sleep 0.02
-  done
-}
-is() { [[ $1 == "$2" ]] || { printf 'expected "%s", found "%s"\n' "$2" "$1"; return 1; }; }
-
-# ---- a bare Debian 12, and what apt needs to install the package without a network
-
-# The machine that this runs on knows its way to a mirror.
-use_apt_of_this_machine() {
-  apt-config dump Acquire | grep -E '^Acquire::(http|https|ftp|Check|Max)[A-Za-z:-]* "..*";' >"$1/etc/apt/apt.conf.d/90host" || true
-}
-
-if [[ ! -e debian-12/.complete ]]; then
-  rm -rf debian-12
-  debootstrap --variant=minbase --include=systemd-sysv,dbus,udev bookworm debian-12 "$mirror" >debootstrap.log 2>&1 ||
-    { tail -n 3 debootstrap.log; cannot "debootstrap could not make a Debian 12"; }
-  echo '127.0.0.1 localhost' >debian-12/etc/hosts
-  use_apt_of_this_machine debian-12
-  touch debian-12/.complete
-  passed "a bare Debian 12 is made, $(du -sm debian-12 | cut -f 1) MB"
-fi
-cp "$service" "$dev" debian-12/root/
-in_folder() { chroot "$1" env DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 "${@:2}"; }
+# The packages fit the Debian that built them.
+# shellcheck disable=SC1091
+debian=debian-$(. /etc/os-release && echo "$VERSION_ID") codename=$(. /etc/os-release && echo "$VERSION_CODENAME")
+make_debian "$codename" "$debian" systemd-sysv,dbus,udev
+cp "$service" "$dev" "$debian/root/"
 fetch() {
-  in_folder debian-12 apt-get -q -y --download-only install "/root/${service##*/}" &&
-    in_folder debian-12 apt-get -q -y --download-only --no-install-recommends install "/root/${dev##*/}"
+  in_folder "$debian" apt-get -q -y --download-only install "/root/${service##*/}" &&
+    in_folder "$debian" apt-get -q -y --download-only --no-install-recommends install "/root/${dev##*/}"
 }
 if ! fetch >fetch.log 2>&1; then
-  in_folder debian-12 apt-get -q update >fetch.log 2>&1 && fetch >>fetch.log 2>&1 ||
+  in_folder "$debian" apt-get -q update >fetch.log 2>&1 && fetch >>fetch.log 2>&1 ||
     { tail -n 5 fetch.log; cannot "apt cannot fetch what the package needs"; }
 fi
-passed "what it needs is fetched: $(find debian-12/var/cache/apt/archives -name '*.deb' | wc -l) packages"
+passed "what it needs is fetched: $(find "$debian/var/cache/apt/archives" -name '*.deb' | wc -l) packages"
 
-# ---- boot
-
-machine=ssl-visiond-test-$$
-umount machine/* 2>/dev/null || true
-rm -rf machine
-cp -a debian-12 machine
-# Asking about the clock is forbidden in a container otherwise.
-options=(--system-call-filter="adjtimex clock_adjtime")
-# Where systemd does not run, nobody keeps a list of machines.
-[[ -d /run/systemd/system ]] || options+=(--register=no --keep-unit)
-systemd-nspawn --quiet --directory machine --machine "$machine" --private-network --boot "${options[@]}" \
-  </dev/null >boot.log 2>&1 &
-nspawn=$!
-
-find_leader() {
-  local status
-  for status in /proc/[0-9]*/status; do
-    # Its first process: a child of nspawn, number 1 in there, and systemd by now.
-    if awk -v parent="$nspawn" '/^Name:/ {name = $2} /^PPid:/ {mine = $2 == parent} /^NSpid:/ {one = NF == 3 && $3 == 1}
-        END {exit !(mine && one && name == "systemd")}' "$status" 2>/dev/null; then
-      leader=${status#/proc/} leader=${leader%/status}
-      return 0
-    fi
-  done
-  kill -0 "$nspawn" 2>/dev/null || { tail -n 5 boot.log; cannot "systemd-nspawn does not boot here"; }
-  return 1
-}
-inside() {
-  nsenter --target "$leader" --mount --uts --ipc --net --pid --root --wd \
-    env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive "$@"
-}
-# Programs of this machine in the container's network.
-beside() { nsenter --target "$leader" --net "$@"; }
-
-end() {
-  [[ -z ${camera:-} ]] || kill "$camera" 2>/dev/null || true
-  # SIGTERM: asks the container to power off.
-  kill "$nspawn" 2>/dev/null || true
-  wait "$nspawn" 2>/dev/null || true
-}
-trap end EXIT
-
-eventually 30 find_leader || cannot "systemd-nspawn does not boot here"
-has_booted() { [[ $(inside systemctl is-system-running 2>/dev/null) =~ ^(running|degraded)$ ]]; }
-eventually 60 has_booted || { tail -n 5 boot.log; cannot "systemd does not come up in the container"; }
-passed "it has booted: systemd $(inside systemctl --version | awk 'NR == 1 {print $2}')"
+boot "$debian"
 
 # ---- the service, seen from outside
 
-unit=ssl-visiond.service
-property() { inside systemctl show --value -p "$1" "$unit"; }
-pid() { property MainPID; }
-state() { property ActiveState; }
-get() { beside curl -sS --fail --max-time 5 "http://127.0.0.1:8090$1"; }
-answers() { get /api/status >/dev/null 2>&1; }
-is_active() { is "$(state)" active && is "$(property SubState)" running && answers; }
 apt() { inside apt-get -q -y "$@"; }
 ctl() { inside ssl-visionctl "$@"; }
 
-# Older kernels show it only outside of the container: there it is the machine's.
+# Older kernels show it only outside the container; there it is the machine's.
 limit() { inside cat /proc/sys/net/core/rmem_max 2>/dev/null || cat /proc/sys/net/core/rmem_max; }
 limit_before=$(limit) || failed "the system's limit of receive buffers cannot be read"
 check "apt-get install ./${service##*/}" apt install "/root/${service##*/}"
@@ -164,7 +69,7 @@ check "it sees memory, processors, disk and itself" eventually 5 knows_its_compu
 
 knows_clock() { get /api/diagnostics | jq -e ".clock $1 null"; }
 check "the clock is out of its reach" knows_clock ==
-use() { # DROP-IN: as its first lines say
+use() { # DROP-IN: as described in its first lines
   local folder=/etc/systemd/system/ssl-visiond.service.d
   inside mkdir -p "$folder" && inside cp "/usr/share/doc/ssl-visiond/examples/$1" "$folder" &&
     inside systemctl daemon-reload && inside systemctl restart "$unit"
@@ -195,7 +100,7 @@ listen() { beside timeout 20 "$programs/sample_client" --interface 127.0.0.1 --c
 sends_robots() { listen 200 | grep -E -c '^  (yellow|blue) [0-9]+  x' | awk '{exit !($1 > 100)}'; }
 check "teams receive robots by multicast" sends_robots
 
-# ---- a stage of one's own, under the unit's limits
+# ---- a user's stage, under the unit's limits
 
 rm -rf kit hello && dpkg-deb -x "$stages" kit
 check "find_package(SslVisiondStages) builds a library of stages" "$here/../kit/build_hello.sh" kit/usr hello
@@ -216,7 +121,7 @@ check "it is given to the service for a process of its own" inside systemctl res
 stage_processes() { inside sh -c "grep -la -e '[-]-stage-process' /proc/[0-9]*/cmdline" | cut -d/ -f3; }
 in_process() { [[ -n $(stage_processes) ]] && hello_runs; }
 check "it runs there" eventually 5 in_process
-# As the unit has it: a bare Debian has kill in its shell alone.
+# A bare Debian has kill only as a shell builtin.
 kill_stage() { inside sh -c "kill -KILL $(stage_processes | tr '\n' ' ')"; }
 check "the process is killed" kill_stage
 check "another one runs" eventually 5 in_process
@@ -229,7 +134,7 @@ check "and runs with the rest of its stack" eventually 5 sends_robots
 check "its stack is put back" ctl settings set /cameras/0/stack '["segment", "detect_robots", "detect_balls", "publish"]'
 before=$(pid)
 
-# A GigE camera: UDP broadcasts, its control channel, and pictures through a packet socket.
+# A GigE camera: UDP broadcasts, its control channel, and images through a packet socket.
 jq '.cameras[0] | {source: (.source + {pixel_format: "bayer_rg8", frame_rate_hz: 30}), calibration}' \
   machine/usr/share/doc/ssl-visiond/examples/demo.json >gige.json
 beside "$programs/fake_gige_camera" 127.0.0.1 package-test gige.json >camera.log 2>&1 &
@@ -258,9 +163,9 @@ needs_password() {
 check "from now on it is asked for, and its file is the service's own" eventually 5 needs_password
 check "the password is removed" inside ssl-visionctl passwd --remove
 
-# ---- what happens to a service
+# ---- faults of the service
 
-# recovers SIGNAL: sends it to the process; the time until a new one answers goes into `took`.
+# recovers SIGNAL: sends it to the process; stores the time until a new one answers in `took`.
 took=()
 is_new() { local now; now=$(pid) && [[ $now != 0 && $now != "$before" ]] && answers; }
 recovers() {
@@ -270,7 +175,7 @@ recovers() {
   eventually 60 is_new || return 1
   took+=("$(seconds_since "$from")")
 }
-report() { # WHAT: the middle and the worst of `took`
+report() { # WHAT: prints median and maximum of `took`
   passed "$1, $(printf '%s\n' "${took[@]}" | sort -n |
     awk '{t[NR] = $1} END {printf "%d times: p50 %.1f s, max %.1f s", NR, t[int((NR + 1) / 2)], t[NR]}')"
   took=()
@@ -349,7 +254,7 @@ is_purged() {
 }
 check "nothing is left of it but its user" is_purged
 
-# ---- where a service must not be started
+# ---- installation where services must not be started
 
 printf '#!/bin/sh\nexit 101\n' >machine/usr/sbin/policy-rc.d
 chmod +x machine/usr/sbin/policy-rc.d
@@ -369,7 +274,7 @@ check "installed in a folder without an init" \
   in_folder machine apt-get -q -y install "/root/${service##*/}"
 check "it will start with the system" test -L machine/etc/systemd/system/multi-user.target.wants/ssl-visiond.service
 
-# ---- the teams' package, as CMake and pkg-config see it
+# ---- the teams' package, used with CMake and pkg-config
 
 rm -rf client && dpkg-deb -x "$dev" client
 build_client() {

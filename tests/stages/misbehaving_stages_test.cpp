@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the admin is told of stages that hang, are slow, make what makes no sense, or have something to say:
-// asked over HTTP from a whole daemon with one simulated camera.
+// Alerts about stages that hang, are slow, output invalid values, or have notes: read over HTTP from a whole
+// daemon with one simulated camera.
 #include "base/json.h"
 #include "config/stages.h"
 #include "daemon.h"
@@ -41,7 +41,7 @@ struct NoParams {
   static constexpr auto fields() { return std::tuple{}; }
 };
 
-/// A stage waits here while the gate is shut.
+/// Stages wait here while the gate is shut.
 class Gate {
  public:
   void shut() { is_shut_.store(true); }
@@ -65,7 +65,7 @@ struct HangField {
   void process(const Params&, const CameraSightings&) noexcept { field_gate.pass(); }
 };
 
-/// Takes the processor for a time.
+/// Takes a given time.
 struct BeSlow {
   struct Params {
     double ms = 0;
@@ -83,7 +83,7 @@ struct BeSlowOnField {
   void process(const Params& params, const CameraSightings&) noexcept { BeSlow::wait(params); }
 };
 
-/// Puts a robot and a ball that are nowhere beside those that were found.
+/// Adds a robot and a ball with non-finite positions to the detected ones.
 struct AddNowhere {
   using Params = NoParams;
   void process(const Params&, Update<RobotList> robots, Update<BallList> balls) noexcept {
@@ -99,7 +99,8 @@ struct TrackNowhere {
   }
 };
 
-/// Says what its parameter is; a text that ends with "!" is a warning. Cuts a character in two after it.
+/// Reports its parameter as a note, or as a warning if the text ends with "!". Appends an incomplete UTF-8
+/// character.
 struct Say {
   struct Params {
     std::string text;
@@ -181,7 +182,7 @@ class MisbehavingStages : public testing::Test {
   }
   Json status() { return Json::parse(ask("/api/status")); }
 
-  /// The first status in which there is an alert of this kind whose title begins so.
+  /// Waits for a status with an alert of this kind whose title begins with `title`.
   Json wait_for_alert(const std::string& id, const std::string& title = "") {
     for (;;) {
       Json now = status();
@@ -209,7 +210,7 @@ class MisbehavingStages : public testing::Test {
   std::optional<Daemon> daemon_;
 };
 
-/// Counts the packets of a group, and robots and balls in them that are nowhere.
+/// Counts a group's packets and the robots and balls in them with non-finite positions.
 template <class Packet, class Count>
 class Heard {
  public:
@@ -267,7 +268,7 @@ TEST_F(MisbehavingStages, OneThatHangsIsNamedAndSinceWhen) {
   EXPECT_EQ(hangs["stage"], "hang");
   EXPECT_EQ(hangs["library"], "");
   EXPECT_GE(now["time"].get<double>() - hangs["since"].get<double>(), 4);
-  // Why the watchdog is not fed, and the log's line.
+  // The reason why the watchdog is not fed, and the line in the log.
   EXPECT_THAT(daemon_->hanging(), StartsWith("camera 4 has hung for "));
   EXPECT_THAT(daemon_->hanging(), HasSubstr(" s in the stage 'hang'"));
   EXPECT_THAT(ask("/healthz"), HasSubstr("in the stage 'hang'"));
@@ -286,7 +287,7 @@ TEST_F(MisbehavingStages, OneOfARemovedCameraIsStillNoticedAndKeepsNobodyWaiting
   ASSERT_TRUE(removed);
   ASSERT_EQ(removed->status, 200) << removed->body;
   EXPECT_THAT(daemon_->hanging(), StartsWith("camera 4 has hung for ")) << "the watchdog must not be fed";
-  // The heartbeat goes on.
+  // The heartbeat continues.
   const auto newest_s = [this] {
     return Json::parse(ask("/api/timeline?seconds=1"))["time_s"].back().get<double>();
   };
@@ -311,9 +312,9 @@ TEST_F(MisbehavingStages, OneOfTheFieldThatHangsEndsNoService) {
 }
 
 TEST_F(MisbehavingStages, OneThatIsSlowIsNamedAndNotTheComputer) {
-  // Slower by far than all else, also on a busy computer.
+  // Much slower than anything else, even on a busy computer.
   start({{"stack", stack_with("be_slow")}, {"stages", {{"be_slow", {{"ms", 1000}}}}}});
-  // As long as rates are not known well, it may say how long one image took.
+  // Until the rates are known well, the title may give the duration of one image instead.
   const Json now = wait_for_alert("stage_slow", "Camera 4: the stage 'be_slow' takes ");
   const std::string title = alert_of(now, "stage_slow")->at("title");
   EXPECT_THAT(title, HasSubstr(" ms an image; images come every "));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What strangers do, one module each: {name, about, run(context)}. `run` goes on until context.isOver(); strangers.mjs
-// says what the context has. To add one: write it, and put it into this list.
+// The attacks, one module each: {name, about, run(context)}. `run` continues until context.isOver(); the context is
+// defined in strangers.mjs. New attacks must be added to this list.
 import backups from './attacks/backups.mjs';
 import files from './attacks/files.mjs';
 import gvsp from './attacks/gvsp.mjs';

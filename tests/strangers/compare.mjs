@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packets and tracks of a service, beside those of one like it that no stranger knows of. Both draw the same scene at the
-// same moments, so what their cameras say of an image is the same byte by byte, but for when it was sent.
+// Compares the packets and tracks of a service with those of an identical one that is not attacked. Both draw the same
+// scene at the same moments, so their cameras' detections are equal byte by byte, except for the time of sending.
 import { detectionOf, fieldsOf } from '../e2e/protobuf.mjs';
 import { listenTo } from '../e2e/service.mjs';
 
-const OWN_ADDRESS = '127.0.0.1'; // strangers have others
+const OWN_ADDRESS = '127.0.0.1'; // strangers have other addresses
 const KEPT_S = 5;
-const MOST_APART_S = 0.02; // of two packets of tracks that are compared
-const NEWEST = 100; // packets of tracks that are kept to compare with
+const MOST_APART_S = 0.02; // maximum time difference of tracks that are compared
+const NEWEST = 100; // track packets kept for comparison
 const MOST_OFF_MM = 1, LEAST_COMPARED = 0.95, MOST_SILENT_MS = 1000;
-const COMPARED_CAMERAS = 2, GIGE_CAMERA = 2; // the GigE camera is the attacked one's alone
+const COMPARED_CAMERAS = 2, GIGE_CAMERA = 2; // only the attacked service has the GigE camera
 const CAPTURE = 2, SENT = 3, CAMERA = 4, BALLS = 5, YELLOW = 6, BLUE = 7;
 const TRACKED = 3;
 
-/** What a camera says of an image: {key: which image, body}. */
+/** A camera's detections in an image: {camera, sent, key: which image, body}; null for other packets. */
 function sightingsOf(packet) {
   const frame = fieldsOf(packet)[1]?.[0];
   if (!frame) return null;
@@ -23,13 +23,13 @@ function sightingsOf(packet) {
 }
 
 const floats = (bytes) => Object.values(fieldsOf(bytes)).map(([one]) => one.readFloatLE(0) * 1000);
-/** {number, time, things: Map name -> {at, velocity}} in mm and s; null for what holds no tracks. */
+/** {number, time, things: Map name -> {at, velocity}} in mm and s; null if it contains no tracks. */
 function tracksOf(packet) {
   const outer = fieldsOf(packet);
   if (!outer[TRACKED]) return null;
   const f = fieldsOf(outer[TRACKED][0]);
   const things = new Map();
-  // A second ball, or a second robot of a name, has a name of its own.
+  // A second ball or a second robot with the same id gets another name.
   const add = (name, at, velocity) => things.set(things.has(name) ? `${name} again` : name, {
     at: floats(at).slice(0, 2), velocity: velocity ? floats(velocity[0]).slice(0, 2) : [0, 0],
   });
@@ -47,13 +47,14 @@ function tracksOf(packet) {
 
 const OTHER = { attacked: 'control', control: 'attacked' };
 
-/** Counts how the packets of 'attacked' differ from those of 'control'. `alone`: robots that only the attacked one sees. */
+/** Counts how the packets of 'attacked' differ from those of 'control'. `alone`: robots that only the attacked
+ * service sees. */
 export class Comparison {
   #alone;
   #images = { attacked: new Map(), control: new Map() };
-  #newest = { attacked: [], control: [] }; // packets of tracks
-  #waiting; // packets of tracks, until the other service has sent one of that time or later
-  #lastSent; // {time_s, number} of the attacked one: by what it sends
+  #newest = { attacked: [], control: [] }; // track packets
+  #waiting; // track packets for which the other service has not sent one of the same time or later yet
+  #lastSent; // {time_s, number} of the attacked service, by kind of packet
   #figures;
 
   constructor(alone = []) {
@@ -61,7 +62,7 @@ export class Comparison {
     this.begin();
   }
 
-  /** From now on. */
+  /** Restarts the comparison. */
   begin(now_ms = Date.now()) {
     this.#waiting = { attacked: [], control: [] };
     this.#lastSent = new Map(['tracks', ...Array(COMPARED_CAMERAS).keys()].map((what) => [what, { time_s: now_ms / 1000 }]));
@@ -82,7 +83,7 @@ export class Comparison {
     };
   }
 
-  /** A packet of a camera's sightings. */
+  /** Adds a packet with a camera's detections. */
   hear(who, packet, now_ms = Date.now()) {
     const sightings = sightingsOf(packet);
     if (!sightings) return;
@@ -99,7 +100,8 @@ export class Comparison {
     if (theirs.body !== body) this.#figures.different++;
   }
 
-  /** A packet of tracks. `wasDropped`: whether lately packets of that group were dropped before this program read them. */
+  /** Adds a track packet. `wasDropped`: whether packets of that group were recently dropped before this program read
+   * them. */
   follow(who, packet, wasDropped = () => false) {
     const tracks = tracksOf(packet);
     if (!tracks) return;
@@ -117,7 +119,7 @@ export class Comparison {
     }
   }
 
-  /** Images that the other service has not sent are given up. */
+  /** Gives up on images that the other service has not sent. */
   forget(now_ms = Date.now()) {
     for (const known of Object.values(this.#images)) for (const [key, { at }] of known) if (now_ms - at > KEPT_S * 1000) known.delete(key);
   }
@@ -127,7 +129,7 @@ export class Comparison {
     if (!(now.time_s > last.time_s)) return;
     this.#lastSent.set(what, now);
     let silent_ms = 1000 * (now.time_s - last.time_s);
-    // Strangers fill this program's sockets as well: what was dropped there was sent.
+    // Strangers fill this program's sockets, too: packets dropped there had been sent.
     if (silent_ms > MOST_SILENT_MS && now.number > last.number && wasDropped()) silent_ms /= now.number - last.number;
     this.#figures.silent_ms = Math.max(this.#figures.silent_ms, silent_ms);
   }
@@ -140,7 +142,7 @@ export class Comparison {
     const nearest = others.reduce((best, one) => (Math.abs(one.time - tracks.time) < Math.abs(best.time - tracks.time) ? one : best));
     const dt = tracks.time - nearest.time;
     const isFar = Math.abs(dt) > MOST_APART_S;
-    // The attacked one also sends tracks for images of the GigE camera, so the other one's packets are counted.
+    // The attacked service also sends tracks for the GigE camera's images, so the other service's packets are counted.
     if (who === 'control') {
       this.#figures.tracks++;
       if (isFar) this.#figures.skippedTracks++;
@@ -157,7 +159,7 @@ export class Comparison {
 
 const percent = (share) => `${(100 * share).toFixed(1)} %`;
 
-/** What must not be, of the figures of a comparison. */
+/** The faults in the figures of a comparison. */
 export function faultsOf({ share, tracksShare, different, notFinite, max_mm, lost, ghosts, silent_ms, missed = 0 }) {
   const why = missed > 0 ? `; ${missed} packets were dropped before this program read them` : '';
   return [
@@ -195,19 +197,19 @@ export async function compare(attacked, control, alone) {
   const tidy = setInterval(() => {
     comparison.forget();
     for (const socket of sockets) {
-      socket.misses = [...(socket.misses ?? []), socket.missed()].slice(-5); // of the last five seconds
+      socket.misses = [...(socket.misses ?? []), socket.missed()].slice(-5); // over the last five seconds
       [socket.missedBefore] = socket.misses;
     }
   }, 1000);
 
   return {
-    /** From now on. */
+    /** Restarts the comparison. */
     begin() {
       missedBefore = missed();
       comparison.begin();
     },
     end: () => ({ ...comparison.end(), missed: missed() - missedBefore }),
-    /** Each detection of the attacked service; returns how to stop. */
+    /** Calls `listener` with each detection of the attacked service; returns a function that stops it. */
     listen(listener) {
       listeners.push(listener);
       return () => { listeners = listeners.filter((one) => one !== listener); };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What ./run strangers finds in the packets of a service, and that it does not pass where it found nothing.
+// Checks that ./run strangers finds faults in a service's packets, and does not pass if it received none.
 import assert from 'node:assert/strict';
 import { describe, it } from 'node:test';
 import { Comparison, faultsOf } from './compare.mjs';
@@ -11,7 +11,8 @@ const moment = (i) => BEGIN_S + i * STEP_S;
 const image = (i, camera, more = {}) => detection({ frame: i, capture: moment(i), sent: moment(i), camera, yellow: [{ id: 3, x: 1000, y: 2000 }], ...more });
 const tracks = (i, more = {}) => tracked({ frame: i, time: moment(i), balls: [BALL], robots: [ROBOT], ...more });
 
-/** What is wrong after 5 s of two services; `vision` and `track` say what the attacked one sends of a moment, if anything. */
+/** The faults after 5 s of two services; `vision` and `track` return the attacked service's packet for a moment, or
+ * null. */
 function faults({ vision = image, track = tracks, controlToo = true, wasDropped, alone = ['yellow 12'] } = {}) {
   const comparison = new Comparison(alone);
   comparison.begin(1000 * BEGIN_S);
@@ -24,7 +25,7 @@ function faults({ vision = image, track = tracks, controlToo = true, wasDropped,
     if (packet) comparison.follow(who, packet, wasDropped);
   };
   for (let i = 1; i <= STEPS; ++i) {
-    send('attacked', vision, track, i); // first: the other one's packet of that moment is still to come
+    send('attacked', vision, track, i); // first, before the other service's packet of that moment
     if (controlToo) send('control', image, tracks, i);
   }
   return faultsOf(comparison.end(1000 * moment(STEPS)));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Random numbers that are the same each time: an attack's seed is its name's and the run's.
+// Reproducible random numbers: an attack's seed derives from its name and the run's seed.
 
-/** A number 0 .. 2^32 - 1 of a text. */
+/** A hash of a text, 0 .. 2^32 - 1. */
 function hashOf(text) {
   let hash = 0x811c9dc5;
   for (const byte of Buffer.from(text)) hash = Math.imul(hash ^ byte, 0x01000193) >>> 0;
@@ -13,7 +13,7 @@ export class Random {
   constructor(seed, name = '') {
     this.#state = (hashOf(name) ^ Math.imul(seed, 0x9e3779b1)) >>> 0;
   }
-  /** 0 .. 1, without 1. */
+  /** A number in [0, 1). */
   next() {
     this.#state = (this.#state + 0x6d2b79f5) >>> 0;
     let x = this.#state;
@@ -26,12 +26,12 @@ export class Random {
   pick(list) { return list[this.below(list.length)]; }
   bytes(count) { return Buffer.from(Array.from({ length: count }, () => this.below(256))); }
 
-  /** A number as parsers do not like them. */
+  /** A number that is difficult for parsers. */
   number() {
     return this.pick([0, -0, 1, -1, 1e-300, 1e300, -1e300, NaN, Infinity, -Infinity, 2 ** 31, -(2 ** 31), 2 ** 53, 0.1, 12345.678, (this.next() - 0.5) * 1e5]);
   }
 
-  /** Some bytes changed, taken away, doubled or cut off. */
+  /** The bytes with some changed, removed, duplicated or cut off. */
   mutated(bytes) {
     let out = Buffer.from(bytes);
     for (let times = this.between(1, 4); times > 0; --times) {

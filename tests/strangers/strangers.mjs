@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What strangers on the team network can do: each attack of attacks.mjs for a while, then all at once, over loopback only,
-// against the real service with two simulated cameras, a GigE camera and a match that is recorded. Beside it runs a service
-// of the same cameras that no stranger knows of. Prints a table in Markdown; exit code 1 unless the service's packets are
-// those of the other one, its tracks too (compare.mjs has the bounds), its memory grows by no more than MOST_GROWTH_MB at its
-// most, it answers, its cameras go on, nothing is deleted, and no alert comes twice. Exit code 77: it cannot be done here.
+// Attacks by strangers on the team network: each attack of attacks.mjs for a while, then all at once, over loopback
+// only, against the real service with two simulated cameras, a GigE camera and a match that is recorded. A second
+// service with the same cameras is not attacked. Prints a table in Markdown. Exit code 1 unless the packets of both
+// services are equal, the tracks too (bounds: compare.mjs), peak memory grows by at most MOST_GROWTH_MB, the service
+// answers, its cameras keep running, nothing is deleted, and no alert occurs twice. Exit code 77: not possible here.
 //   node strangers.mjs [--minutes 10] [--seed 1] [--only NAME ...] [--rate 20]
 //   SSLV_DAEMON, SSLV_FAKE_CAMERA: the programs; default: the release build's
 import { spawn } from 'node:child_process';
@@ -37,7 +37,7 @@ const STOP = 1, START = 2;
 const attacks = ATTACKS.filter(({ name }) => !options.only || options.only.some((wanted) => name.includes(wanted)));
 if (attacks.length === 0) throw new Error(`--only: there is ${ATTACKS.map(({ name }) => `"${name}"`).join(', ')}`);
 
-// Not of the field's subnet, which is the loopback's. HTTP comes from there, too: the loopback is trusted more.
+// Outside the field's subnet, which is the loopback's. HTTP attacks use it, too, as the loopback is trusted more.
 const outside = Object.values(networkInterfaces()).flat().find(({ family, internal }) => family === 'IPv4' && !internal)?.address;
 if (!outside) {
   console.error('strangers: this computer has no address but its loopback, so no stranger can come from another subnet');
@@ -54,11 +54,11 @@ for (const [who, service] of Object.entries({ attacked, control })) {
   settings.network.tracker = { enabled: true, group: tracker, port: await freeUdpPort() };
   settings.network.referee = { enabled: true, group: referee, port: await freeUdpPort(), interface: 'lo' };
   settings.recording = { quota_mb: 100, keep_free_mb: 0, last_seconds: { memory_mb: 32 } };
-  // Everything stands: which camera's image comes first moves nothing, and a stranger who does is seen.
+  // Everything stands still: the order of the cameras' images has no effect, but any effect of strangers is noticed.
   for (const { source } of settings.cameras) Object.assign(source, { frame_rate_hz: RATE_HZ, noise_sigma: 0, speed: 0 });
 }
 const [seen] = attacked.settings.cameras;
-// Robots that no other camera sees, which stand still: what it shows stays the same.
+// Standing robots that no other camera sees, so this camera's image never changes.
 const served = {
   source: { ...seen.source, pixel_format: 'bayer_rg8', frame_rate_hz: 10, speed: 0, robots_yellow: 2, robots_blue: 2, first_yellow_id: 12, first_blue_id: 12, balls: 0 },
   calibration: seen.calibration, heartbeat_s: 300,
@@ -74,7 +74,7 @@ const talking = setInterval(() => {
   for (const { settings: { network: { referee } } } of [attacked, control]) gameControl.send(gameController(said), referee.port, referee.group);
 }, 250);
 
-// ---- what is asked of the attacked one
+// ---- requests to the attacked service
 
 const cookies = {};
 
@@ -103,7 +103,7 @@ function ask(method, path, { body, cookie, outside: isOutside = false } = {}) {
 ask.cookies = async () => cookies;
 const signIn = async (role) => (await becomes(() => ask('POST', 'api/session', { body: { password: PASSWORDS[role] } }), ({ status }) => status === 200, ({ text }) => text)).headers['set-cookie'][0].split(';')[0];
 const asAdmin = (method, path, body) => ask(method, path, { body, cookie: cookies.admin });
-/** Null where there is none. */
+/** The service's status; null if there is none. */
 const status = async () => {
   const { status: code, json } = await asAdmin('GET', 'api/status');
   return code === 200 ? json : null;
@@ -121,23 +121,23 @@ async function socketAt(address) {
 }
 const opened = [];
 
-// ---- what is looked at
+// ---- what is monitored
 
-/** `what`: VmRSS is what there is now, VmHWM the most since the start or the last forgetMost(). */
+/** `what`: VmRSS is the current memory, VmHWM the peak since the start or the last forgetMost(). */
 const memoryMb = (what) => Number(new RegExp(`^${what}:\\s+(\\d+)`, 'm').exec(readFileSync(`/proc/${attacked.pid()}/status`, 'utf8'))[1]) / 1024;
 const forgetMost = () => writeFileSync(`/proc/${attacked.pid()}/clear_refs`, '5');
 const isAlive = () => { try { return process.kill(attacked.pid(), 0); } catch { return false; } };
-/** Of the GigE camera; 0 where there is none. */
+/** Size of the GigE camera's image; 0 if there is none. */
 const imageBytes = async () => {
   const { status: code, text } = await asAdmin('GET', 'api/cameras/2/snapshot.jpg?width=64');
   return code === 200 ? text.length : 0;
 };
 
-/** Looks once a second until it is told to stop, and then once more; returns what was wrong. */
+/** Checks once a second until the returned function is called, then once more; that function returns what was wrong. */
 function watch(kept, first) {
   let ends = false, oddImage = null;
   const wrong = new Set(), alerts = new Set();
-  const frames = new Map(); // by camera: at the first look and at the newest
+  const frames = new Map(); // by camera: at the first and at the newest check
   const pid = attacked.pid();
   forgetMost();
   const look = async () => {
@@ -156,7 +156,7 @@ function watch(kept, first) {
     }
     const there = new Set(readdirSync(recordingsFolder));
     for (const name of kept) if (!there.has(name)) wrong.add(`${name} was deleted`);
-    const { status: health, text } = await ask('GET', 'healthz'); // strangers may fill the room of the address that they have
+    const { status: health, text } = await ask('GET', 'healthz'); // strangers may use up their address' connections
     if (health !== 200) wrong.add(`/healthz does not answer: ${text}`);
     const bytes = await imageBytes();
     if (Math.abs(bytes - first.image_bytes) > MOST_IMAGE_CHANGE * first.image_bytes) oddImage ??= bytes;
@@ -202,7 +202,7 @@ let watcher = null;
 try {
   await once(camera.stdout, 'data');
   await Promise.all([attacked.start(), control.start()]);
-  // A stranger is whoever knows no password: there is one.
+  // A stranger is a client without the password, so one must be set.
   const set = await ask('PUT', 'api/passwords/admin', { body: { password: PASSWORDS.admin } });
   if (set.status !== 200) throw new Error(set.text);
   await attacked.opensToOthers();
@@ -228,7 +228,7 @@ try {
 
   const comparison = await compare(attacked, control, alone);
   forgetMost();
-  await pause(20_000); // until cameras have been brought together and memory is what it becomes
+  await pause(20_000); // until the cameras' clocks are aligned and the memory has settled
   const kept = readdirSync(recordingsFolder).filter((name) => /\.(log|log\.gz|clip)$/.test(name));
   const first = { memory_mb: memoryMb('VmHWM'), image_bytes: await becomes(imageBytes, (bytes) => bytes > 0) };
   console.log(`Two simulated cameras at ${RATE_HZ} Hz and a GigE camera, a match, ${kept.length} recordings, ${first.memory_mb.toFixed(0)} MB; seed ${SEED}\n`);

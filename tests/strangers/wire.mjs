@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What strangers send, encoded by hand: the league's messages with any number in them, and GigE Vision's packets.
+// Packets of strangers, encoded by hand: the league's messages with any numbers, and GigE Vision's packets.
 
 const varint = (value) => {
   const out = [];
@@ -36,7 +36,7 @@ export const detection = ({ frame = 1, capture = Date.now() / 1000, sent = Date.
   bytes(1, all(uint(1, frame), double(2, capture), double(3, sent), uint(4, camera),
     balls.map((one) => bytes(5, ball(one))), yellow.map((one) => bytes(6, robot(one))), blue.map((one) => bytes(7, robot(one)))));
 
-/** How a camera hangs: by default straight down, `z` above (x, y). */
+/** A camera's pose: by default straight down, `z` above (x, y). */
 export const calibration = ({ camera = 20, x = 0, y = 0, z = 4000, focal = 460, width = 780, height = 580, distortion = 0 } = {}) =>
   all(uint(1, camera), float(2, focal), float(3, width / 2), float(4, height / 2), float(5, distortion),
     float(6, 1), float(7, 0), float(8, 0), float(9, 0), float(10, -x), float(11, y), float(12, z),
@@ -79,5 +79,5 @@ export const imageLeader = ({ type = IMAGE, format = MONO_8, width = 640, height
 export const partsLeader = (parts, type = PARTS) => all(numbers([2, 0], [2, type], [8, 0]),
   parts.map(({ width, height, size, format = MONO_8 }) => numbers([2, 1], [6, size], [4, format], [12, 0], [4, width], [4, height], [8, 0], [8, 0])));
 export const piece = (offset, data) => all(numbers([2, 0], [6, offset]), data);
-/** Asks a camera for the port that it sends its images to, as anybody may; the answer ends with it. */
+/** Requests from a camera the port that it sends images to, which anyone may do; it is the end of the answer. */
 export const readStreamPort = numbers([4, 0x42010080], [2, 4], [2, 1], [4, 0xd00]);

@@ -20,7 +20,7 @@ thread_local std::uint64_t count = 0;
 }
 
 #if SSLV_OWN_NEW
-// The other forms of new and delete come down to these.
+// The other forms of new and delete call these.
 void* operator new(std::size_t size) {
   ++count;
   if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;

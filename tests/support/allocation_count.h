@@ -5,10 +5,10 @@
 
 namespace sslv {
 
-/// Whether allocations are counted in this build; not under a sanitizer, which has an allocator of its own.
+/// Whether this build counts allocations; not under a sanitizer, which has its own allocator.
 bool counts_allocations();
 
-/// Calls of operator new by this thread so far, libraries included.
+/// Number of calls of operator new by this thread so far, including libraries.
 std::uint64_t allocation_count();
 
 }  // namespace sslv

@@ -8,8 +8,8 @@
 
 namespace sslv::test {
 
-/// Looks until it is so; false when it never is. Sleeps between two looks: background threads of the same
-/// entry need the processor.
+/// Polls until the condition holds; false on timeout (kPatience). Sleeps in between, as background threads of
+/// the same ctest entry need the processor.
 template <class IsSo>
 bool becomes(const IsSo& is_so) {
   const auto until = std::chrono::steady_clock::now() + kPatience;

@@ -17,7 +17,7 @@ namespace sslv::test {
 
 namespace {
 
-/// As the service manager does it, in the process that becomes the program (sd_listen_fds(3)).
+/// Passes files on like the service manager (sd_listen_fds(3)); called in the child before exec.
 void hand_over(const std::vector<KeptFile>& kept) {
   if (kept.empty()) return;
   constexpr int kFirst = 3, kOutOfTheWay = 200;
@@ -42,7 +42,7 @@ ChildProcess::ChildProcess(const std::vector<std::string>& words, const std::vec
   if (::pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe for " + name_);
   pid_ = ::fork();
   if (pid_ == 0) {
-    ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // not to outlive a test that crashes
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // so that it does not outlive a crashed test
     ::dup2(ends[1], STDOUT_FILENO);
     ::dup2(ends[1], STDERR_FILENO);
     for (const std::string& entry : environment) ::putenv(const_cast<char*>(entry.c_str()));

@@ -11,11 +11,11 @@
 
 namespace sslv::test {
 
-/// A program started by a test: its output is collected, and it is killed when the test ends.
+/// A program started by a test: collects its output and kills it when the test ends.
 class ChildProcess {
  public:
-  /// The first word is the program. `environment` entries are "NAME=value", beside this process' own. `kept`:
-  /// what the service manager kept for it.
+  /// The first word is the program. `environment`: entries "NAME=value" in addition to this process' own.
+  /// `kept`: files that the service manager has kept for it.
   explicit ChildProcess(const std::vector<std::string>& words,
                         const std::vector<std::string>& environment = {},
                         const std::vector<KeptFile>& kept = {});
@@ -23,19 +23,19 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Reads on (standard output and error together) until a line holds `text`, and returns that line. Throws
-  /// std::runtime_error with all of the output when the program ends or kPatience does first.
+  /// Reads its output (standard output and error together) until a line contains `text`, and returns that
+  /// line. Throws std::runtime_error with all output if the program ends or kPatience passes first.
   std::string wait_for_line(const std::string& text);
 
   void send_signal(int signal) const;
 
-  /// Waits for the end; the exit code, or 128 + signal. Throws like wait_for_line.
+  /// Waits for its end; returns the exit code, or 128 + signal. Throws like wait_for_line().
   int wait_for_exit();
 
-  /// While it runs.
+  /// Valid while it runs.
   pid_t pid() const { return pid_; }
 
-  /// Everything it has printed so far.
+  /// Its output read so far.
   const std::string& output() const { return output_; }
 
  private:

@@ -9,13 +9,13 @@
 
 namespace sslv {
 
-/// An image with its memory. Moving it keeps where that lies.
+/// An image with its memory, whose address does not change when moved.
 struct OwnedImage {
   std::vector<std::uint8_t> bytes;
   ImageView view;
 };
 
-/// Noise, another for each seed; so is what pads its rows, by `padding` bytes each. `is_deep`: with low bits.
+/// Noise that depends on `seed`, also in the `padding` bytes of each row. `is_deep`: with low bits.
 inline OwnedImage noise_image(PixelFormat format, int width, int height, unsigned seed, int padding = 0,
                               bool is_deep = false) {
   OwnedImage out;

@@ -20,7 +20,7 @@
 namespace sslv {
 namespace {
 
-/// Read from a picture of large discs of all paints.
+/// Read from an image of large discs of all paints.
 std::array<Rgb, paint::kCount> read_paints() {
   SimulatorOptions options = plain_options();
   const CameraModel camera(overhead_camera());
@@ -45,7 +45,7 @@ std::array<Rgb, paint::kCount> read_paints() {
   return out;
 }
 
-/// As an admin makes it, who points at each colour in the brightest and in darker places. Kept, since making
+/// A table as made by an admin who clicks each colour at full and at reduced brightness. Cached, as making
 /// one takes a while.
 std::shared_ptr<const Lut> lut_for(const SimulatorOptions& options) {
   using Light = std::tuple<double, double, double, double>;
@@ -120,7 +120,7 @@ Rgb paint_color(std::uint8_t paint) {
 DrawnScene::DrawnScene(const SimulatorOptions& options, const CameraCalibration& camera,
                        std::array<double, 2> robot_height_mm, const FieldSize& field)
     : options_(options), sensor_(options, 1) {
-  options_.placement = SimulatorPlacement::kScatter;  // draws distractors with the other things
+  options_.placement = SimulatorPlacement::kScatter;  // draws distractors together with robots and balls
   scene_.field = field;
   scene_.camera.emplace(camera);
   scene_.robot_height_mm = robot_height_mm;
@@ -180,9 +180,9 @@ void DrawnScene::use_lut(std::shared_ptr<const Lut> lut) {
   regions_.reset();
 }
 
-/// Covers as much of each pixel as of a grid of points in it.
+/// A pixel's coverage is the fraction of a grid of points that is covered.
 void DrawnScene::paint(const Cover& cover, LightPicture& picture) const {
-  const int points = cover.reach_mm < 60 ? 12 : 4;  // each way
+  const int points = cover.reach_mm < 60 ? 12 : 4;  // per axis
   const CameraModel& camera = *scene_.camera;
   const auto middle = camera.project({cover.middle_mm.x(), cover.middle_mm.y(), cover.z_mm});
   if (!middle) return;
@@ -214,7 +214,7 @@ void DrawnScene::paint(const Cover& cover, LightPicture& picture) const {
 
 namespace {
 
-/// The field without things on it, drawn once for all scenes that share it: it takes longer than the rest.
+/// The empty field, cached for all scenes that share it, as drawing it takes longest.
 const LightPicture& carpet(const SimulatorRenderer& renderer, const SimulatorOptions& options,
                            const Scene& scene) {
   static std::map<std::string, LightPicture> carpets;

@@ -12,7 +12,7 @@ namespace {
 std::atomic<bool> is_failing{false};
 }
 
-/// In the place of the C library's.
+/// Replaces the C library's function.
 extern "C" int fsync(int file) {
   struct stat status {};
   if (is_failing && ::fstat(file, &status) == 0 && S_ISDIR(status.st_mode)) {

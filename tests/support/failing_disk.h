@@ -3,7 +3,7 @@
 
 namespace sslv::test {
 
-/// While it lives, fsync(2) of a folder fails with EIO, as on a disk that dies. For the whole program.
+/// While it exists, fsync(2) of a folder fails with EIO, as on a failing disk. Affects the whole program.
 class FailingDisk {
  public:
   FailingDisk();

@@ -13,7 +13,7 @@
 
 namespace sslv {
 
-/// Cameras 0 and 1, whose frames a test delivers, 10 ms after one another, each grey and with a robot.
+/// Cameras 0 and 1, whose frames are delivered by the test, 10 ms apart, each grey and with a robot.
 class FakeCameras {
  public:
   static constexpr int kWidth = 64, kHeight = 48;

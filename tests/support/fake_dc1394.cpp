@@ -29,16 +29,16 @@ struct Event {
   bool corrupt = false;
 };
 
-/// One capture_setup(). Vectors are reserved, so that nothing is allocated while pictures run.
+/// One capture_setup(). The vectors are reserved, so that nothing is allocated while frames arrive.
 struct Capture {
   int fd = -1;
   unsigned char* memory = nullptr;
   std::size_t bytes = 0;
   std::vector<dc1394video_frame_t> frames;
   std::vector<bool> corrupt;
-  std::vector<std::uint32_t> queued;  // as the card fills them
-  std::vector<Event> events;          // filled, not yet taken
-  std::uint32_t next = 0;             // place in the ring that is handed out next
+  std::vector<std::uint32_t> queued;  // in the order in which the card fills them
+  std::vector<Event> events;          // filled, not yet fetched
+  std::uint32_t next = 0;             // ring index that is handed out next
   int channel = -1, bandwidth = 0;
 };
 
@@ -178,7 +178,7 @@ void paint(const Layout& layout, std::uint32_t depth, int number, unsigned char*
     };
     const auto yuv = [&](std::uint32_t x) { return to_yuv(colour(x)); };
     for (std::uint32_t x = 0; x < layout.width; ++x) {
-      // The next two bits below the upper 8 are the opposite of the first two.
+      // The next two bits below the upper 8 are the inverse of the first two.
       const auto put_deep = [&](unsigned value) {
         const unsigned deep = (value << 8 | (~value & 0xC0U)) >> (16 - depth);
         put(deep >> 8), put(deep);
@@ -337,7 +337,7 @@ void unplug(std::uint64_t guid) {
   std::erase_if(bus().devices, [&](const auto& device) { return device->camera.guid == guid; });
   for (Handle* handle : bus().handles) {
     if (handle->guid == guid && handle->capture) {
-      handle->capture->bandwidth = 0;  // the bus reset frees it
+      handle->capture->bandwidth = 0;  // released by the bus reset
       wake(*handle->capture);
     }
   }
@@ -382,7 +382,7 @@ struct __dc1394_t {};  // NOLINT: the library's name
 
 namespace {
 
-/// Held during each call on a camera; error() says whether the camera is still there.
+/// Held during each call on a camera; error() returns whether the camera still exists.
 class Call {
  public:
   explicit Call(dc1394camera_t* camera) : handle(handle_of(camera)), lock_(bus().mutex) {}
@@ -536,7 +536,7 @@ dc1394error_t dc1394_video_get_mode(dc1394camera_t* camera, dc1394video_mode_t* 
 }
 dc1394error_t dc1394_video_set_mode(dc1394camera_t* camera, dc1394video_mode_t mode) {
   return with_camera(camera, [&](Camera& c) {
-    if (c.native.contains(mode) || c.format7.contains(mode)) c.mode = mode;  // else it does not obey
+    if (c.native.contains(mode) || c.format7.contains(mode)) c.mode = mode;  // otherwise ignored
     return DC1394_SUCCESS;
   });
 }
@@ -722,7 +722,7 @@ dc1394error_t dc1394_capture_stop(dc1394camera_t* camera) {
   if (!call.handle.capture) return DC1394_CAPTURE_IS_NOT_SET;
   --bus().counts.captures;
   const std::unique_ptr<Capture> capture = std::move(call.handle.capture);
-  if (call.gone()) return DC1394_IOCTL_FAILURE;  // and leaves all behind
+  if (call.gone()) return DC1394_IOCTL_FAILURE;  // and leaks everything
   ::munmap(capture->memory, capture->bytes);
   ::close(capture->fd);
   return DC1394_SUCCESS;
@@ -737,7 +737,7 @@ dc1394error_t dc1394_capture_dequeue(dc1394camera_t* camera, dc1394capture_polic
   *frame = nullptr;
   Capture* capture = call.handle.capture.get();
   if (capture == nullptr) return DC1394_CAPTURE_IS_NOT_SET;
-  if (policy != DC1394_CAPTURE_POLICY_POLL) std::abort();  // the daemon must never wait here
+  if (policy != DC1394_CAPTURE_POLICY_POLL) std::abort();  // the daemon must never block here
   if (call.gone()) return DC1394_FAILURE;
   if (capture->events.empty()) return DC1394_SUCCESS;
   eventfd_t one = 0;
@@ -757,7 +757,7 @@ dc1394error_t dc1394_capture_enqueue(dc1394camera_t* camera, dc1394video_frame_t
   if (frame->camera != camera) return DC1394_INVALID_ARGUMENT_VALUE;
   if (call.gone()) return DC1394_IOCTL_FAILURE;
   std::vector<std::uint32_t>& queued = call.handle.capture->queued;
-  if (std::find(queued.begin(), queued.end(), frame->id) != queued.end()) std::abort();  // given back twice
+  if (std::find(queued.begin(), queued.end(), frame->id) != queued.end()) std::abort();  // returned twice
   queued.push_back(frame->id);
   return DC1394_SUCCESS;
 }
@@ -824,7 +824,7 @@ dc1394error_t dc1394_feature_set_power(dc1394camera_t* camera, dc1394feature_t i
 }
 dc1394error_t dc1394_feature_set_mode(dc1394camera_t* camera, dc1394feature_t id, dc1394feature_mode_t mode) {
   return set_feature(camera, id, [&](Feature& f) {
-    // One push comes to its end at once.
+    // One push finishes at once.
     f.mode = mode == DC1394_FEATURE_MODE_ONE_PUSH_AUTO ? DC1394_FEATURE_MODE_MANUAL : mode;
     if (mode == DC1394_FEATURE_MODE_ONE_PUSH_AUTO) f.values[0] = 77;
   });

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A GigE Vision camera that serves simulated or recorded pictures:
+// A GigE Vision camera that serves simulated or recorded images:
 //
 //   fake_gige_camera INTERFACE_ADDRESS SERIAL FILE
 //
-// FILE is JSON with "source" and "calibration" as a camera of the daemon's settings has them and "field" as
-// the settings have it; the last two may be left out. "lost_packets" is the share of packets that get lost,
-// "heartbeat_s" how long its client may be silent.
-// Prints "ready" once it serves; SIGINT or SIGTERM ends it.
+// FILE is JSON with "source" and "calibration" as in a camera of the daemon's settings and "field" as in the
+// settings; the last two are optional. "lost_packets": fraction of packets that are lost; "heartbeat_s": how
+// long its client may be silent.
+// Prints "ready" when it serves; stops on SIGINT or SIGTERM.
 
 #include "base/params_json.h"
 #include "capture/files/file.h"
@@ -48,7 +48,7 @@ Setup read_setup(const char* path) {
   return params_from_json<Setup>(Json::parse(file), path);
 }
 
-/// Paced by the camera's client, not by itself; `frame_rate_hz` receives the pace it would have kept.
+/// A source paced by the camera's client; `frame_rate_hz` receives the rate that it would have had itself.
 std::unique_ptr<Source> open_source(const Setup& setup, double& frame_rate_hz) {
   Json options = setup.source;
   const std::string name = options.at("backend").get<std::string>();
@@ -67,7 +67,7 @@ std::unique_ptr<Source> open_source(const Setup& setup, double& frame_rate_hz) {
   return backend->open(options, context);
 }
 
-/// Waits for a sound picture. Throws std::runtime_error when there will be none.
+/// Waits for a complete image. Throws std::runtime_error if there will be none.
 CapturedImage take(Source& source) {
   for (;;) {
     CapturedImage image;
@@ -82,7 +82,7 @@ CapturedImage take(Source& source) {
   }
 }
 
-/// The picture as the client wants it: black when it has set another size or format than the source's.
+/// The image in the client's size and format; black if these differ from the source's.
 void fill(Source& source, std::uint8_t* pixels, int width, int height, PixelFormat format) {
   const auto row_bytes = static_cast<std::size_t>(width) * static_cast<std::size_t>(bytes_per_pixel(format));
   try {
@@ -107,7 +107,7 @@ void serve(const char* address, const char* serial, const char* path) {
   const CapturedImage first = take(*source);
   const ImageView& view = first.image.view();
 
-  // Before the library starts threads, which inherit it.
+  // Before the library starts threads, which inherit the signal mask.
   sigset_t ending;
   sigemptyset(&ending);
   sigaddset(&ending, SIGINT);

@@ -136,7 +136,7 @@ bool FakeV4l2::is_of_its_kind(unsigned long request, const void* argument) const
   }
 }
 
-/// Into the plane, where the device has planes.
+/// Fills in the plane instead if the device has planes.
 void FakeV4l2::fill_in(v4l2_buffer& out, const v4l2_buffer& from) const {
   if (buffer_type() == V4L2_BUF_TYPE_VIDEO_CAPTURE) {
     out = from;
@@ -286,7 +286,7 @@ int FakeV4l2::get_or_set_format(bool setting, v4l2_format& format) {
   return 0;
 }
 
-/// As drivers do: what there is not becomes the first that there is.
+/// Like a driver: replaces unsupported values by the first supported one.
 int FakeV4l2::set(v4l2_pix_format& wanted) {
   const Mode* mode =
       mode_of(wanted.pixelformat, static_cast<int>(wanted.width), static_cast<int>(wanted.height));
@@ -321,7 +321,7 @@ int FakeV4l2::set(v4l2_captureparm& wanted) {
 int FakeV4l2::allocate(v4l2_requestbuffers& request) {
   if (streams_) return EBUSY;
   for (Buffer& buffer : buffers_) {
-    // The memory stays where it is.
+    // The memory must not move.
     std::uint8_t* memory = buffer.bytes.data();
     orphans_[memory] = std::move(buffer.bytes);
   }
@@ -382,7 +382,7 @@ int FakeV4l2::get_or_set(bool setting, v4l2_ext_control& one) {
   } else {
     item.value = item.type == V4L2_CTRL_TYPE_INTEGER64 ? std::int64_t{one.value64} : one.value;
   }
-  // As in webcams, whose exposure time can be set once it is not automatic (menu item 1).
+  // As in webcams, whose exposure time can only be set in manual mode (menu item 1).
   if (item.id == V4L2_CID_EXPOSURE_AUTO && items.contains(V4L2_CID_EXPOSURE_ABSOLUTE)) {
     Item& time = items.at(V4L2_CID_EXPOSURE_ABSOLUTE);
     time.flags = item.value == V4L2_EXPOSURE_MANUAL ? 0 : V4L2_CTRL_FLAG_INACTIVE;

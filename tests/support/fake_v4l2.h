@@ -16,7 +16,8 @@
 
 namespace sslv {
 
-/// A video device played at the kernel's calls. A test says what it is and when it delivers.
+/// A video device simulated at the level of kernel calls. The test defines its properties and delivers
+/// frames.
 class FakeV4l2 final : public V4l2Device {
  public:
   struct Mode {
@@ -33,21 +34,21 @@ class FakeV4l2 final : public V4l2Device {
     std::string text{};
   };
 
-  // Set before it is opened.
+  // To be set before it is opened.
   std::string model = "Fake Camera", driver = "fake", bus = "usb-1";
   std::uint32_t capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
   std::vector<Mode> modes{{V4L2_PIX_FMT_YUYV, 64, 48, {30}}};
-  std::uint32_t padding_bytes = 0;  // of each row
-  /// Of a device with V4L2_CAP_VIDEO_CAPTURE_MPLANE alone: where pictures begin in their plane, and how many
-  /// planes it says a picture has.
+  std::uint32_t padding_bytes = 0;  // per row
+  /// For a device with only V4L2_CAP_VIDEO_CAPTURE_MPLANE: offset of images in their plane, and the number of
+  /// planes that it reports.
   std::uint32_t data_offset = 0, planes = 1;
   std::map<std::uint32_t, Item> items{};
-  std::map<unsigned long, int> failing{};  // calls and their errno
+  std::map<unsigned long, int> failing{};  // calls that fail, and their errno
   std::uint32_t stamp_flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
 
-  /// Fills the next queued buffer; when there is none, the picture is lost as it would be in a driver.
+  /// Fills the next queued buffer; without one, the frame is lost as in a driver.
   void deliver(std::span<const std::uint8_t> bytes, std::uint32_t flags = 0);
-  /// A whole picture, all bytes alike.
+  /// A whole image of equal bytes.
   void deliver(std::uint8_t value);
   void lose_pictures(std::uint32_t count);
   void change_item(std::uint32_t id, std::int64_t value, std::uint32_t flags);
@@ -58,7 +59,7 @@ class FakeV4l2 final : public V4l2Device {
   v4l2_pix_format format();
   bool streams();
   std::size_t queued(), mapped();
-  std::vector<std::uint32_t> order_set();  // ids of controls, as they were set; 0: the stream was started
+  std::vector<std::uint32_t> order_set();  // ids of controls in the order set; 0: the stream was started
 
   int call(unsigned long request, void* argument) noexcept override;
   Ready wait(std::chrono::milliseconds timeout) noexcept override;
@@ -73,7 +74,7 @@ class FakeV4l2 final : public V4l2Device {
 
   v4l2_buf_type buffer_type() const;
   std::size_t buffer_bytes() const { return data_offset + format_.sizeimage; }
-  /// What a call about formats or buffers says it is about, which must be the device's own kind.
+  /// Whether a call about formats or buffers has the device's own buffer type.
   bool is_of_its_kind(unsigned long request, const void* argument) const;
   void fill_in(v4l2_buffer& out, const v4l2_buffer& from) const;
   int answer(unsigned long request, void* argument);

@@ -21,7 +21,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-// The library's headers convert as C does.
+// The library's headers use C conversions.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpedantic"
 #pragma GCC diagnostic ignored "-Wconversion"
@@ -33,7 +33,7 @@ namespace {
 
 constexpr int kGvcpPort = 3956;
 
-constexpr std::array<std::pair<PixelFormat, ArvPixelFormat>, 6> kFormats{{
+constexpr std::array<std::pair<PixelFormat, ArvPixelFormat>, 6> kArvFormats{{
     {PixelFormat::kMono8, ARV_PIXEL_FORMAT_MONO_8},
     {PixelFormat::kRgb24, ARV_PIXEL_FORMAT_RGB_8_PACKED},
     {PixelFormat::kBayerRg8, ARV_PIXEL_FORMAT_BAYER_RG_8},
@@ -42,8 +42,8 @@ constexpr std::array<std::pair<PixelFormat, ArvPixelFormat>, 6> kFormats{{
     {PixelFormat::kBayerBg8, ARV_PIXEL_FORMAT_BAYER_BG_8},
 }};
 
-/// 0 when the port of this address can be had, else why not. The library itself would share it with another
-/// camera and then answer at random.
+/// 0 if the port of this address is free, otherwise the errno. The library would share the port with another
+/// camera and then answer unpredictably.
 int port_error(const std::string& address) {
   const int descriptor = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_in name{};
@@ -93,7 +93,7 @@ std::string with_register(const std::string& name, int address, const std::strin
       feature, name, address);
 }
 
-/// A feature with a register for each choice of a selector.
+/// A feature with one register per value of a selector.
 std::string of_selected(const std::string& name, int address, const std::string& selector,
                         const std::string& feature) {
   return fmt::format(
@@ -103,7 +103,8 @@ std::string of_selected(const std::string& name, int address, const std::string&
       feature, name, address, selector);
 }
 
-/// The library's own description of its camera and what else ours has, as a file, which is how it takes one.
+/// The library's own description of its camera, extended by our features, as a file, which the library
+/// requires.
 class Description {
  public:
   Description() {
@@ -174,7 +175,7 @@ struct GigeServer::Library {
       fill(bytes.data(), width, height, format);
       return pack(bytes.data(), bytes.size(), out);
     }
-    for (const auto& [format_of_ours, arv] : kFormats)
+    for (const auto& [format_of_ours, arv] : kArvFormats)
       if (arv == pixels) fill(out, width, height, format_of_ours);
   }
   ~Library() {
@@ -185,7 +186,7 @@ struct GigeServer::Library {
 GigeServer::GigeServer(const std::string& interface_address, const std::string& serial, Fill fill)
     : library_(std::make_unique<Library>()) {
   wait_for_port(interface_address);
-  static const Description description;  // read by the library once
+  static const Description description;  // the library reads it once
   library_->fill = std::move(fill);
   library_->server = arv_gv_fake_camera_new(interface_address.c_str(), serial.c_str());
   if (!arv_gv_fake_camera_is_running(library_->server)) {
@@ -193,8 +194,7 @@ GigeServer::GigeServer(const std::string& interface_address, const std::string& 
                              ": it must be an IPv4 address of this machine");
   }
   const auto on_fill = [](ArvBuffer* buffer, void* library, guint32, guint32, ArvPixelFormat pixels) {
-    // The size that the library states here is 0; the memory suffices for the picture that the client has
-    // set.
+    // The size that the library reports here is 0; the memory suffices for the image that the client has set.
     std::size_t size = 0;
     auto* out = static_cast<std::uint8_t*>(const_cast<void*>(arv_buffer_get_data(buffer, &size)));
     static_cast<Library*>(library)->fill_buffer(out, arv_buffer_get_image_width(buffer),
@@ -209,9 +209,9 @@ void GigeServer::set_defaults(int width, int height, PixelFormat format, double 
   const auto write = [&](guint32 address, std::uint32_t value) {
     arv_fake_camera_write_register(library_->camera(), address, value);
   };
-  const auto* known =
-      std::find_if(kFormats.begin(), kFormats.end(), [=](const auto& one) { return one.first == format; });
-  if (known == kFormats.end()) {
+  const auto* known = std::find_if(kArvFormats.begin(), kArvFormats.end(),
+                                   [=](const auto& one) { return one.first == format; });
+  if (known == kArvFormats.end()) {
     throw std::runtime_error(
         fmt::format("pixel_format {}: only mono8, rgb24 and bayer_* can be served", name_of(format)));
   }

@@ -17,14 +17,14 @@
 
 namespace sslv {
 
-/// Receives what is sent to a test group through the loopback interface.
+/// Receives packets sent to a test group through the loopback interface.
 class GroupListener {
  public:
   static constexpr const char* kGroup = "239.255.77.77";
 
-  /// Takes a port that nobody uses when `port` is 0. Throws when it cannot listen.
+  /// Uses a free port if `port` is 0. Throws std::runtime_error if it cannot listen.
   explicit GroupListener(std::uint16_t port = 0) : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {
-    // A port that is given is shared. A free one is taken alone and shared afterwards.
+    // A given port is shared. A free one is bound exclusively and shared afterwards.
     if (port != 0) set(SOL_SOCKET, SO_REUSEADDR, 1);
     sockaddr_in local{};
     local.sin_family = AF_INET;
@@ -36,7 +36,7 @@ class GroupListener {
     set(IPPROTO_IP, IP_ADD_MEMBERSHIP, membership);
     set(IPPROTO_IP, IP_RECVTTL, 1);
     set(SOL_SOCKET, SO_RXQ_OVFL, 1);
-    // A busy computer lets tests read late.
+    // On a busy computer tests read late.
     constexpr int kBufferBytes = 4 << 20;
     set(SOL_SOCKET, SO_RCVBUF, kBufferBytes);
     socklen_t length = sizeof local;
@@ -50,7 +50,7 @@ class GroupListener {
   std::uint16_t port() const { return port_; }
   int fd() const { return fd_; }
 
-  /// The next datagram; nothing when none comes in that time.
+  /// The next datagram; nullopt on timeout.
   std::optional<std::string> receive(int timeout_ms = int{
                                          std::chrono::milliseconds(test::kPatience).count()}) {
     const timeval timeout{timeout_ms / 1000, timeout_ms % 1000 * 1000};
@@ -82,7 +82,7 @@ class GroupListener {
 
   int last_ttl() const { return last_ttl_; }
   std::uint16_t last_sender_port() const { return last_sender_port_; }
-  /// Datagrams that found no place because this was read too late.
+  /// Datagrams dropped because this was read too late.
   std::uint32_t overflows() const { return overflows_; }
 
  private:
@@ -100,7 +100,7 @@ class GroupListener {
   std::uint32_t overflows_ = 0;
 };
 
-/// Of a sender that this listener hears.
+/// Settings of a sender to this listener.
 inline MulticastSettings settings_for(const GroupListener& listener) {
   MulticastSettings settings;
   settings.group = GroupListener::kGroup;

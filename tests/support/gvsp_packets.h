@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Packets of GigE Vision's streaming protocol, as anybody can forge them, and a socket that sends them.
+// Packets of GigE Vision's streaming protocol, which anyone can forge, and a socket that sends them.
 
 #include "support/patience.h"
 
@@ -18,7 +18,7 @@
 
 namespace sslv::test {
 
-/// The highest byte first, as all of GigE Vision.
+/// Most significant byte first, as in all of GigE Vision.
 inline std::string big_endian(std::uint64_t number, int bytes) {
   std::string out;
   for (int i = bytes - 1; i >= 0; --i) out += i < 8 ? static_cast<char>(number >> (8 * i) & 0xff) : '\0';
@@ -34,7 +34,7 @@ inline std::string gvsp_packet(GvspKind kind, std::uint16_t frame, std::uint32_t
          std::string(data);
 }
 
-/// With extended ids. `parts`: of a multipart leader.
+/// With extended ids. `parts`: for a multipart leader.
 inline std::string gvsp_extended_packet(GvspKind kind, std::uint64_t frame, std::uint32_t id,
                                         std::string_view data = {}, std::uint8_t parts = 0) {
   return big_endian(0, 4) + big_endian(0x80000000U | static_cast<std::uint32_t>(kind) << 24 | parts, 4) +
@@ -57,7 +57,7 @@ struct GvspPart {
   std::uint32_t width, height;
   std::uint64_t bytes;
   std::uint32_t format = kGvspMono8;
-  std::uint16_t type = 1;  // an image of two dimensions
+  std::uint16_t type = 1;  // a two-dimensional image
 };
 inline std::string gvsp_multipart_leader(const std::vector<GvspPart>& parts,
                                          std::uint16_t type = kGvspMultipartImage) {
@@ -69,7 +69,7 @@ inline std::string gvsp_multipart_leader(const std::vector<GvspPart>& parts,
   return out;
 }
 
-/// A piece of a part.
+/// A block of a part's data.
 inline std::string gvsp_piece(std::uint64_t offset, std::string_view data) {
   return big_endian(0, 2) + big_endian(offset, 6) + std::string(data);
 }
@@ -94,7 +94,7 @@ class UdpForger {
     ::sendto(socket_, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&name), sizeof name);
   }
 
-  /// What a camera tells everybody who asks: the port that its images are sent to.
+  /// The port to which a camera sends images, which it tells to anyone.
   std::uint16_t stream_port_of(const std::string& camera) const {
     constexpr std::uint16_t kControlPort = 3956;
     send(kControlPort, big_endian(0x42010080, 4) + big_endian(4, 2) + big_endian(1, 2) + big_endian(0xd00, 4),

@@ -26,8 +26,8 @@ inline constexpr bool kHasLateSignals = __has_feature(thread_sanitizer);
 inline constexpr bool kHasLateSignals = false;
 #endif
 
-/// A thread that does one thing again and again and can be held wherever it is just then, as the scheduler
-/// holds a thread of the idle class while others want its processor.
+/// A thread that repeats an action and can be paused anywhere in it, as the scheduler pauses an idle-class
+/// thread while others need its processor.
 class HeldThread {
  public:
   explicit HeldThread(std::function<void()> act) {
@@ -54,7 +54,7 @@ class HeldThread {
   HeldThread(const HeldThread&) = delete;
   HeldThread& operator=(const HeldThread&) = delete;
 
-  /// Returns when it stands still.
+  /// Returns when it is paused.
   void hold() {
     pthread_kill(thread_.native_handle(), kSignal);
     wait(is_held_);
@@ -81,9 +81,9 @@ class HeldThread {
   std::thread thread_;
 };
 
-/// Whether a camera's `work` comes to its end although a thread that does `act` again and again is held
-/// anywhere in it: many times, at other places. What shares a lock with `act` waits for ever sooner or later.
-/// `work` must allocate nothing: the allocator has locks of its own.
+/// Checks that a camera's `work` completes although a thread that repeats `act` is paused anywhere in it;
+/// many times, at different places. If they share a lock, `work` sooner or later waits forever. `work` must
+/// not allocate, as the allocator has its own locks.
 inline void expect_never_waits(const std::function<void()>& act, const std::function<void()>& work,
                                int times = 1000) {
   if (kHasLateSignals) GTEST_SKIP() << "ThreadSanitizer delivers signals only between the calls it watches";

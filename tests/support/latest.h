@@ -10,9 +10,9 @@
 
 namespace sslv {
 
-/// A one-place mailbox: the writer never waits, a newer value replaces an unread one. Every reader keeps its
-/// own place by the version it saw last, so several may read the same value. T is copied under the lock:
-/// make it a handle.
+/// A one-place mailbox: the writer never waits, and a newer value replaces an unread one. Readers remember
+/// the version that they saw last, so several may read the same value. T is copied under the lock, so it
+/// should be a handle.
 template <class T>
 class Latest {
  public:
@@ -31,14 +31,14 @@ class Latest {
     changed_.notify_all();
   }  // the replaced value is released here, outside the lock
 
-  /// The present value if there is one.
+  /// The current value, if there is one.
   std::optional<Versioned> peek() const {
     const std::lock_guard lock(mutex_);
     if (version_ == 0 || closed_) return std::nullopt;
     return Versioned{version_, value_};
   }
 
-  /// Waits for a version newer than `seen` (0: any). Nothing on timeout or after close().
+  /// Waits for a version newer than `seen` (0: any). nullopt on timeout or after close().
   std::optional<Versioned> wait_newer(std::uint64_t seen, std::chrono::milliseconds timeout) const {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, timeout, [&] { return version_ > seen || closed_; });
@@ -46,7 +46,7 @@ class Latest {
     return Versioned{version_, value_};
   }
 
-  /// Wakes all readers for good and lets go of the value, and at once of every later one.
+  /// Wakes all readers for good, releases the value, and ignores later ones.
   void close() {
     T old{};
     {

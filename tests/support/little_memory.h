@@ -11,11 +11,11 @@
 
 namespace sslv::test {
 
-/// Memory that a file may take, however it was made.
+/// Memory limit for reading a file, whatever it contains.
 inline constexpr std::size_t kMemoryForAFile = 64'000'000;
 
-/// Whether `act` can do with so many bytes of memory more than this process has now: in a process of its own,
-/// which gets no more. Not under a sanitizer, whose memory is endless.
+/// Whether `act` succeeds with `bytes` more memory than this process has now; runs in a child process with
+/// that limit. Does not work under a sanitizer, which reserves vast address space.
 inline bool fits_into(std::size_t bytes, const std::function<void()>& act) {
   const pid_t child = ::fork();
   if (child == 0) {
@@ -27,7 +27,7 @@ inline bool fits_into(std::size_t bytes, const std::function<void()>& act) {
     try {
       act();
     } catch (
-        ...) {  // std::bad_alloc; left to the test's runner, this process would go on with all other tests
+        ...) {  // std::bad_alloc; the test runner would catch it, and this child would run all other tests
       ::_exit(1);
     }
     ::_exit(0);

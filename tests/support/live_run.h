@@ -24,8 +24,7 @@
 
 namespace sslv {
 
-/// The demo's two cameras with images of a quarter of the size, which show a part of the field as large as
-/// ever, noise, and light that changes.
+/// The demo's two cameras with a quarter of the pixels at the same scale, noise, and changing light.
 inline Json live_settings(const char* pixel_format = "uyvy") {
   std::ifstream in(source_path("/config/demo.json"));
   Json settings = Json::parse(in);
@@ -47,8 +46,8 @@ inline Json live_settings(const char* pixel_format = "uyvy") {
   return settings;
 }
 
-/// Cameras whose images are drawn and processed as the service does, one after the other in this thread, with
-/// everything written to a clip.
+/// Cameras whose images are drawn and processed like in the service, one after the other in this thread, and
+/// written to a clip.
 class LiveRun {
  public:
   static constexpr double kBeginS = 1000;
@@ -59,7 +58,7 @@ class LiveRun {
       cameras_.push_back(std::make_unique<Camera>(config_, i));
   }
 
-  /// From the next frame on; what stages remember is written with it.
+  /// Begins with the next frame; the memory of the stages is written with it.
   void begin_clip(const std::filesystem::path& file, bool with_memory = true) {
     writer_.emplace(file, ClipAbout{.site = config_.site, .version = "0", .why = "a test"});
     for (auto& camera : cameras_) {
@@ -75,19 +74,19 @@ class LiveRun {
   void run(double seconds) {
     const auto frames = static_cast<std::int64_t>(seconds * rate_hz_ + 0.5);
     for (std::int64_t i = 0; i < frames; ++i, ++frame_) {
-      // Cameras are never quite at the same time.
+      // Cameras are never exactly synchronous.
       const double t_s = kBeginS + static_cast<double>(frame_) / rate_hz_;
       for (std::size_t c = 0; c < cameras_.size(); ++c) take(c, t_s + 0.001 * static_cast<double>(c));
     }
   }
-  /// A frame that is processed and does not reach the clip.
+  /// A frame that is processed but not written to the clip.
   void skip_frame() {
     const bool was_skipping = std::exchange(skips_, true);
     run(1 / rate_hz_);
     skips_ = was_skipping;
   }
 
-  /// As the service does: the pipeline stays when the stack does.
+  /// Like the service: keeps the pipeline if the stack is the same.
   void change_settings(const Json& settings) {
     config_ = read_config(settings);
     for (std::size_t i = 0; i < cameras_.size(); ++i) {
@@ -160,7 +159,7 @@ class LiveRun {
     std::vector<std::uint8_t> picture;
     Sink sink;
     CameraPipeline pipeline;
-    std::optional<std::uint32_t> setup{};  // in the clip
+    std::optional<std::uint32_t> setup{};  // index in the clip
     bool begins = false;
   };
 

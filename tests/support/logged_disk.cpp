@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A disk that remembers what came to it, and in what order: logged_disk FOLDER BYTES LOG mounts a file system
-// at FOLDER with one file, `disk`, of BYTES zeros, for a loop device. What is written to it, and when it must
-// all be kept (a flush), stands in LOG, so that the disk can be made as it would be after a power cut at any
-// time. Record after record, little-endian: u8 'W' or 'F', f64 Unix time in s, u64 place, u32 bytes, and
-// these.
+// A disk that logs its requests in order: logged_disk FOLDER BYTES LOG mounts a file system at FOLDER with
+// one file, `disk`, of BYTES zeros, for a loop device. LOG receives all writes and flushes (after which
+// earlier writes must be durable), so that the disk's contents after a power cut at any time can be
+// reconstructed. Records, little-endian: u8 'W' or 'F', f64 Unix time in s, u64 position, u32 number of
+// bytes, and these bytes.
 #define FUSE_USE_VERSION 35
 
 #include <algorithm>
@@ -84,7 +84,7 @@ int main(int argc, char** argv) {
   operations.read = read_disk;
   operations.write = write_disk;
   operations.fsync = flush_disk;
-  // In the foreground, one request after the other.
+  // In the foreground, one request at a time.
   char foreground[] = "-f", single[] = "-s";
   char* words[] = {argv[0], foreground, single, argv[1], nullptr};
   return fuse_main(4, words, &operations, nullptr);

@@ -21,7 +21,7 @@ struct Format {
   AVPixelFormat pixels;
 };
 
-const std::map<std::string, Format> kFormats{
+const std::map<std::string, Format> kFileFormats{
     {".png", {AV_CODEC_ID_PNG, AV_PIX_FMT_RGB24}},     {".bmp", {AV_CODEC_ID_BMP, AV_PIX_FMT_BGR24}},
     {".ppm", {AV_CODEC_ID_PPM, AV_PIX_FMT_RGB24}},     {".mkv", {AV_CODEC_ID_FFV1, AV_PIX_FMT_0RGB32}},
     {".mp4", {AV_CODEC_ID_MPEG4, AV_PIX_FMT_YUV420P}},
@@ -45,7 +45,7 @@ struct Freer {
 }  // namespace
 
 void write_media(const std::string& path, const std::vector<RgbPicture>& pictures, int rate_hz) {
-  const Format format = kFormats.at(std::filesystem::path(path).extension().string());
+  const Format format = kFileFormats.at(std::filesystem::path(path).extension().string());
   AVFormatContext* opened = nullptr;
   check(avformat_alloc_output_context2(&opened, nullptr, nullptr, path.c_str()), "muxer");
   const std::unique_ptr<AVFormatContext, void (*)(AVFormatContext*)> muxer(opened, avformat_free_context);
@@ -67,7 +67,7 @@ void write_media(const std::string& path, const std::vector<RgbPicture>& picture
   if (!(muxer->oformat->flags & AVFMT_NOFILE))
     check(avio_open(&muxer->pb, path.c_str(), AVIO_FLAG_WRITE), "open");
   AVDictionary* options = nullptr;
-  av_dict_set(&options, "update", "1", 0);  // one picture, its name is no pattern
+  av_dict_set(&options, "update", "1", 0);  // a single image, whose name is no pattern
   const int begun = avformat_write_header(muxer.get(), &options);
   av_dict_free(&options);
   check(begun, "header");

@@ -12,7 +12,7 @@
 
 namespace sslv::test {
 
-/// None but those whose last seconds are kept.
+/// No cameras except those with an image ring.
 class NoCameras final : public Cameras {
  public:
   std::map<int, std::shared_ptr<RecordedCamera>> recorded_ones;

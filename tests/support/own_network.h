@@ -12,7 +12,7 @@
 
 namespace sslv {
 
-/// Runs `act` in a process of its own; its result is the exit status.
+/// Runs `act` in a child process; returns its result as the exit status, 128 on a crash.
 template <class Act>
 int in_child(const Act& act) {
   const pid_t child = fork();
@@ -22,10 +22,10 @@ int in_child(const Act& act) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
 }
 
-/// Values that child processes exit with.
+/// Exit codes of child processes.
 inline constexpr int kPassed = 0, kNoNamespaces = 77;
 
-/// In a fresh network namespace, where the loopback interface is down at first.
+/// Runs `act` in a new network namespace, with the loopback interface still down.
 template <class Act>
 int without_network(const Act& act) {
   return in_child([&] { return unshare(CLONE_NEWUSER | CLONE_NEWNET) == 0 ? act() : kNoNamespaces; });

@@ -47,7 +47,7 @@ class Floor {
         if (curve.is_arc) curve.radius_mm += floor.shifted_mm * normal(random);
       }
       curves_.push_back(curve);
-      // Amplitudes whose squares, halved, add up to one.
+      // Amplitudes for a unit rms: half the sum of their squares is one.
       constexpr std::array<double, 3> kShares{1.1, 0.75, 0.48};
       Wave& wave = waves_.emplace_back();
       wave.length_mm = {uniform(1200, 2500), uniform(400, 900), uniform(100, 250)};
@@ -71,10 +71,10 @@ class Floor {
     }
   }
 
-  /// What a part of the picture may show besides the floor.
+  /// Indices of what a part of the image may show besides the floor.
   struct Near {
     std::vector<std::size_t> curves, robots;
-    bool whole = true;  // the floor itself is all of one kind
+    bool whole = true;  // the floor there is of one kind
   };
   Near all() const {
     Near out;
@@ -82,7 +82,7 @@ class Floor {
     for (std::size_t i = 0; i < robots_.size(); ++i) out.robots.push_back(i);
     return out;
   }
-  /// Of `from`, what a square of pixels around a middle may show.
+  /// The elements of `from` that a square of pixels around (x, y) may show.
   Near near(const Near& from, double x, double y, double half_px) const {
     const auto place = camera_.unproject({x, y}, 0);
     const auto corner = camera_.unproject({x + half_px, y + half_px}, 0);
@@ -103,7 +103,7 @@ class Floor {
     return out;
   }
 
-  /// How far outside a line's paint, in mm; negative on it.
+  /// Distance outside a line's paint, in mm; negative on it.
   double outside_mm(const Eigen::Vector2d& place, std::size_t i) const {
     const PaintedCurve& curve = curves_[i];
     const double half_mm = curve.width_mm / 2;
@@ -131,7 +131,7 @@ class Floor {
            std::abs(place.y()) < f.field_width / 2.0 + f.boundary_width;
   }
 
-  /// Whether a robot, a round prism, stands before the floor there.
+  /// Whether a robot, modelled as a cylinder, hides that place.
   bool hides(const Robot& robot, const Eigen::Vector2d& place) const {
     constexpr double kRadiusMm = 85;
     const Eigen::Vector2d from = place - Eigen::Vector2d(robot.x_mm, robot.y_mm);
@@ -164,7 +164,7 @@ class Floor {
   std::vector<Robot> robots_;
 };
 
-/// Along rows with `step` 1, along columns with the width.
+/// A separable Gaussian blur, along rows and then along columns.
 void blur(std::vector<Color>& picture, int width, int height, double sigma_px) {
   if (sigma_px <= 0) return;
   const int reach = static_cast<int>(std::ceil(4 * sigma_px));
@@ -284,7 +284,7 @@ LensCamera floor_camera(const FloorSetting& setting) {
                edge = field.boundary_width;
   double left = -length - 0.5 * edge, right = length + 0.5 * edge, bottom = -width - 0.5 * edge,
          top = width + 0.5 * edge;
-  Eigen::Matrix3d look;  // down, the field's length along the picture's width
+  Eigen::Matrix3d look;  // downwards, the field's length along the image's width
   look << 1, 0, 0, 0, -1, 0, 0, 0, -1;
   if (setting.view == FloorView::kHalf) {
     left = -400, right = length + 0.7 * edge, bottom = -width - 0.7 * edge, top = width + 0.7 * edge;
@@ -303,7 +303,7 @@ LensCamera floor_camera(const FloorSetting& setting) {
   const Eigen::Vector3d axis = camera.rotation.row(2);
   const Eigen::Vector3d middle((left + right) / 2, (bottom + top) / 2, 0);
   camera.position_mm = middle - axis * (kHeightMm[size] / -axis.z());
-  // The longest focal length that shows all of it.
+  // The longest focal length with which everything is in view.
   double low = 50, high = 20000;
   for (int i = 0; i < 50; ++i) {
     camera.focal_px = (low + high) / 2;

@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-// Where things lie on this machine. Compiled into one file: on every test's command line they would keep one
-// clone from using what another compiled.
+// Paths on this machine. Compiled into one file only: on every test's command line they would prevent clones
+// from sharing the compiler cache.
 
 namespace sslv {
 

@@ -5,7 +5,7 @@
 
 namespace sslv::test {
 
-/// The only limit on waiting for what should happen: no busy machine is that slow.
+/// Timeout of all waits for expected events: no busy machine is that slow.
 inline constexpr std::chrono::seconds kPatience{300};
 
 }  // namespace sslv::test

@@ -21,7 +21,7 @@ inline constexpr Rgb kCarpet{40, 105, 70};
 inline constexpr std::array<Rgb, 6> kColors{
     {{238, 108, 32}, {224, 198, 38}, {28, 92, 196}, {230, 64, 150}, {108, 212, 62}, {205, 205, 200}}};
 
-/// Tables as admins make them, and as they never should.
+/// Typical and extreme tables.
 inline const std::vector<std::shared_ptr<const Lut>>& test_luts() {
   static const auto made = [] {
     std::vector<std::shared_ptr<const Lut>> all{std::make_shared<const Lut>()};
@@ -40,7 +40,7 @@ inline const std::vector<std::shared_ptr<const Lut>>& test_luts() {
       return label::kClear;
     };
     add([&](Yuv c) { return near_color(c, 20); });
-    add([&](Yuv c) {  // the carpet has a label too, and it is the whole rest
+    add([&](Yuv c) {  // everything else is labelled carpet
       const Label label = near_color(c, 30);
       return label != label::kClear ? label : label::kField;
     });
@@ -57,7 +57,7 @@ inline const std::vector<std::shared_ptr<const Lut>>& test_luts() {
   return made;
 }
 
-/// What the plain stages make of a picture.
+/// Results of the plain stages for an image.
 class PlainSegmentation {
  public:
   void process(const Segment::Params& params, const Lut& lut, const Mask& mask, const Image& image) {
@@ -75,7 +75,7 @@ class PlainSegmentation {
   FindRegions find_regions_;
 };
 
-/// What differs between two results, bit by bit; empty when nothing does.
+/// Describes the first exact difference between two results; empty if there is none.
 inline std::string difference(const PlainSegmentation& plain, const RunList& runs,
                               const RegionList& regions) {
   if (plain.runs.width != runs.width || plain.runs.height != runs.height ||

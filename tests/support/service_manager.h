@@ -26,9 +26,8 @@
 
 namespace sslv::test {
 
-/// The service manager's end of a service: hears what sd_notify(3) says, and keeps the files that it is to.
-/// It always listens, as the real one does: some ten messages find room in its socket, and who sends another
-/// one waits.
+/// The service manager's side of a service: receives sd_notify(3) messages and keeps the files sent to it.
+/// Like the real one it always listens: its socket holds some ten messages, and senders of more would block.
 class ServiceManager {
  public:
   explicit ServiceManager(const std::filesystem::path& socket) : path_(socket) {
@@ -53,10 +52,10 @@ class ServiceManager {
   ServiceManager(const ServiceManager&) = delete;
   ServiceManager& operator=(const ServiceManager&) = delete;
 
-  /// To be in the service's environment.
+  /// For the service's environment.
   std::string variable() const { return "NOTIFY_SOCKET=" + path_.string(); }
 
-  /// The next message; none when it does not come in that time.
+  /// The next message; nullopt on timeout.
   std::optional<std::string> next(std::chrono::milliseconds timeout) {
     std::unique_lock lock(mutex_);
     read_all();
@@ -67,15 +66,15 @@ class ServiceManager {
     return message.text;
   }
 
-  /// What the service wants to have again after a crash.
+  /// Files that the service wants back after a crash.
   const std::vector<KeptFile>& kept() const { return kept_; }
-  /// After the service's end: hears what it said last.
+  /// Reads the last messages after the service's end.
   void hear_the_rest() {
     while (next(std::chrono::milliseconds(0))) {
     }
   }
 
-  /// The next message that begins so; throws std::runtime_error with what came instead.
+  /// The next message with this beginning; throws std::runtime_error with those received instead.
   std::string wait_for(const std::string& beginning) {
     const auto deadline = std::chrono::steady_clock::now() + kPatience;
     std::string others;
@@ -136,7 +135,7 @@ class ServiceManager {
   std::mutex mutex_;
   std::condition_variable came_;
   std::deque<Message> heard_;
-  std::jthread thread_;  // the last: works on the others
+  std::jthread thread_;  // last member: uses the others
 };
 
 }  // namespace sslv::test

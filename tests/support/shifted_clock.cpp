@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loaded before other libraries (LD_PRELOAD), it sets one program's clock and leaves the computer's alone:
-// the nanoseconds in the file named by SSLV_CLOCK_FILE, which may change at any time, are added to the Unix
-// time. Steady clocks stay as they are, as they do when a computer's clock is set.
+// Preloaded (LD_PRELOAD), it shifts the clock of one program without touching the computer's: adds the
+// nanoseconds in the file named by SSLV_CLOCK_FILE, which may change at any time, to the Unix time. Steady
+// clocks are not affected, as when a real clock is set.
 #include <cerrno>
 #include <cstdint>
 #include <cstdlib>
@@ -27,7 +27,7 @@ const volatile std::int64_t* open_offset() {
   return memory == MAP_FAILED ? &kNone : static_cast<const volatile std::int64_t*>(memory);
 }
 
-/// The kernel's own clocks, not those of the library that is stood in for.
+/// Reads the kernel's clocks, as this replaces the library's functions.
 int shifted(clockid_t clock, timespec& time) {
   if (::syscall(SYS_clock_gettime, clock, &time) != 0) return -1;
   if (clock != CLOCK_REALTIME && clock != CLOCK_REALTIME_COARSE) return 0;

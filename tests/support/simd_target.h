@@ -12,12 +12,12 @@
 
 namespace sslv {
 
-/// Has Highway's dynamic dispatch choose as on a CPU whose best instruction set is `best`, in the whole
-/// process, while it lives. Kernels that are not compiled for that set use the next best one.
+/// While it exists, Highway's dynamic dispatch behaves in the whole process as on a CPU whose best
+/// instruction set is `best`. Kernels not compiled for that set use the next best one.
 class OnlyTarget {
  public:
   explicit OnlyTarget(std::int64_t best) {
-    use(hwy::SupportedTargets() & ~(best - 1));  // a lower bit is a better target
+    use(hwy::SupportedTargets() & ~(best - 1));  // lower bits are better targets
   }
   ~OnlyTarget() { use(0); }
   OnlyTarget(const OnlyTarget&) = delete;
@@ -34,8 +34,8 @@ inline std::string name_of_target(std::int64_t target) {
   return hwy::TargetName(target);
 }
 
-/// Instruction sets that this CPU has and any kernel is compiled for, best first; the last one is what any
-/// CPU has.
+/// Instruction sets of this CPU that some kernel is compiled for, best first; the last one is the baseline of
+/// all CPUs.
 inline std::vector<std::int64_t> cpu_targets() {
   std::vector<std::int64_t> targets;
   for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {

@@ -10,7 +10,7 @@
 
 namespace sslv::test {
 
-/// A folder that goes with the test.
+/// A folder that is deleted with the test.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -26,9 +26,9 @@ class TemporaryFolder {
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  /// Path of a file in it.
+  /// Path of a file in the folder.
   std::string file(const std::string& name) const { return (path_ / name).string(); }
-  /// Writes a file into it and returns its path.
+  /// Writes a file in the folder and returns its path.
   std::string write(const std::string& name, const std::string& text) const {
     std::ofstream(file(name), std::ios::binary) << text;
     return file(name);

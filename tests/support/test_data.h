@@ -8,8 +8,8 @@
 
 namespace sslv {
 
-/// Recorded data that others made and that this repository does not hold. A test that needs it skips, saying
-/// so, where it is not there. SSLV_TEST_DATA names its folder.
+/// Recorded data from other teams that is not part of this repository. Tests that need it are skipped with a
+/// message if it is missing. SSLV_TEST_DATA sets its folder.
 inline std::filesystem::path test_data_folder() {
   const char* set = std::getenv("SSLV_TEST_DATA");
   return set != nullptr ? std::filesystem::path(set) : std::filesystem::path(source_path("/../shared/data"));

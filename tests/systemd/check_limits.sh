@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# check_limits.sh FOLDER: the package of FOLDER is installed and its service started, on computers with all kinds of
-# limits, in a folder that stands for the computer. The maintainer's script is the real one; of systemd there is what it
-# asks of it.
+# check_limits.sh FOLDER: installs FOLDER's package and starts its service on computers with various limits, each
+# represented by a folder. The maintainer script is the real one; of systemd, only what the script uses is faked.
 set -euo pipefail
 folder=$(realpath "$1")
 computer=$(mktemp -d)
@@ -11,7 +10,7 @@ rmem=$computer/proc/sys/net/core/rmem_max
 usbfs=$computer/sys/module/usbcore/parameters/usbfs_memory_mb
 failed=0
 
-# Programs that the script calls. Those that would change limits do it, to this computer.
+# Programs that the script calls. Those that change limits do so on the simulated computer.
 programs=$computer/programs
 mkdir "$programs"
 for name in systemd-sysusers deb-systemd-helper deb-systemd-invoke systemctl udevadm; do
@@ -31,7 +30,7 @@ cat "$computer"/usr/lib/tmpfiles.d/*.conf | awk '\$1 == "w-" {print \$7}' >"$usb
 TXT
 chmod +x "$programs"/*
 
-# installed RMEM USBFS [FILE LINE]: a computer with these limits, and with a file of the admin's, gets the package.
+# installed RMEM USBFS [FILE LINE]: installs the package on a computer with these limits and a file of the admin's.
 installed() {
   rm -rf "${computer:?}"/{proc,sys,etc,run,usr}
   mkdir -p "${rmem%/*}" "${usbfs%/*}" "$computer"/{etc/sysctl.d,etc/modprobe.d,run/systemd/system,usr/lib/sysctl.d,usr/lib/tmpfiles.d}
@@ -39,14 +38,14 @@ installed() {
   echo "$2" >"$usbfs"
   printf 'BOOT_IMAGE=/vmlinuz quiet\n' >"$computer/proc/cmdline"
   if [[ -n ${3:-} ]]; then printf '%s\n' "$4" >>"$computer/$3"; fi
-  # What the package brings.
+  # The package's files.
   [[ ! -e $folder/sysctl.conf ]] || cp "$folder/sysctl.conf" "$computer/usr/lib/sysctl.d/30-ssl-visiond.conf"
   [[ ! -e $folder/tmpfiles.conf ]] || cp "$folder/tmpfiles.conf" "$computer/usr/lib/tmpfiles.d/ssl-visiond.conf"
   sed "s|/run/systemd/system|$computer&|; s|/lib/systemd/systemd-sysctl|systemd-sysctl|" "$folder/debian/postinst" >"$computer/postinst"
   PATH=$programs:$PATH sh "$computer/postinst" configure ""
   starts
 }
-# The service, with what its unit runs before it.
+# Starts the service with its unit's ExecStartPre.
 starts() {
   local before
   before=$(sed -nE 's/^ExecStartPre=-?\+\/usr\/lib\/ssl-visiond\/raise-limits$/raise_limits.sh/p' "$folder/ssl-visiond.service")

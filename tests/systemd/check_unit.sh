@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# check_unit.sh FOLDER PROGRAM: the units of FOLDER, with PROGRAM for the installed one.
+# check_unit.sh FOLDER PROGRAM: checks FOLDER's units, with PROGRAM in place of the installed one.
 set -euo pipefail
 folder=$1 program=$(realpath "$2")
 most_exposed=20 # tenths
@@ -23,7 +23,7 @@ mkdir "$copy/ssl-visiond.service.d"
 check() {
   local said
   said=$(SYSTEMD_UNIT_PATH=$copy: systemd-analyze verify --man=no "$copy/ssl-visiond.service" 2>&1) || true
-  # Of other units on this computer we say nothing.
+  # Ignores messages about other units on this computer.
   said=$(grep -E "ssl-visiond|sslvision|$copy" <<<"$said") || true
   if [[ -n $said ]]; then
     printf '%s: systemd-analyze verify says:\n%s\n' "$1" "$said" >&2

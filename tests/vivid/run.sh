@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# run.sh PROGRAM FOLDER: runs the test PROGRAM in an emulated machine with Debian's kernel and its driver vivid.
-# The kernel is fetched into FOLDER and kept there. Exit code 77: cannot be done here.
+# run.sh PROGRAM FOLDER: runs the test PROGRAM in an emulated machine with Debian's kernel and its vivid driver. The
+# kernel is downloaded into FOLDER and kept there. Exit code 77: not possible here.
 set -euo pipefail
 program=$(realpath "$1")
 mkdir -p "$2" && cd "$2"
@@ -21,7 +21,7 @@ if [[ ! -e $version/boot/vmlinuz-$version ]]; then
   rm "$package"_*.deb
 fi
 
-# ---- the machine's files: busybox, vivid with what it needs, the program with its libraries
+# ---- the machine's files: busybox, vivid with its dependencies, the program with its libraries
 
 rm -rf machine
 mkdir -p machine/{bin,dev,proc,sys,tmp}
@@ -43,7 +43,7 @@ export PATH=/bin
 mount -t proc proc /proc
 mount -t sysfs sysfs /sys
 mount -t devtmpfs devtmpfs /dev
-# Two cameras with one webcam input each, and nothing but capture.
+# Two cameras with one webcam input each, and only capture devices.
 modprobe vivid n_devs=2 node_types=0x1,0x1 num_inputs=1,1 input_types=0x0,0x0 multiplanar=1,1
 /vivid_test --gtest_color=no
 echo "exit code $?"
@@ -52,7 +52,7 @@ INIT
 chmod +x machine/init
 (cd machine && find . | cpio -o -H newc --quiet | gzip -1) >machine.cpio.gz
 
-# ---- run: always emulated, so that it works, and is the same, everywhere
+# ---- run: always emulated, so that it works everywhere in the same way
 
 timeout 600 qemu-system-x86_64 -accel tcg -cpu max -smp 2 -m 1024 -nodefaults -display none -serial stdio -no-reboot \
   -kernel "$version/boot/vmlinuz-$version" -initrd machine.cpio.gz -append "console=ttyS0 quiet panic=-1" \

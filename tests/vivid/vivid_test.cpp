@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The V4L2 backend against the kernel's own driver for tests, vivid: two webcams that show colour bars, with
-// controls to break them.
+// The V4L2 backend with the kernel's test driver, vivid: two webcams that show colour bars, with controls to
+// inject faults.
 #include "base/clock.h"
 #include "capture/camera_thread.h"
 #include "capture/v4l2/v4l2.h"
@@ -50,7 +50,7 @@ CapturedImage next_picture(Source& source) {
   return image;
 }
 
-/// What comes within some pictures.
+/// The first status other than an image, within 50 frames.
 CaptureStatus first_other_than_a_picture(Source& source, std::string& problem) {
   CaptureStatus status = CaptureStatus::kImage;
   for (int i = 0; i < 50 && status == CaptureStatus::kImage; ++i) {
@@ -60,7 +60,7 @@ CaptureStatus first_other_than_a_picture(Source& source, std::string& problem) {
   return status;
 }
 
-/// Of the 2x2 block at even x and y.
+/// The colour of the 2x2 block at even x and y.
 Rgb color_at(const ImageView& view, int x, int y) {
   const std::uint8_t* row = view.row(y);
   const auto bayer = [&](int red_x, int red_y) -> Rgb {
@@ -84,7 +84,7 @@ Rgb color_at(const ImageView& view, int x, int y) {
 /// White, yellow, cyan, green, magenta, red, blue, black.
 void expect_color_bars(const ImageView& view) {
   ASSERT_FALSE(view.empty());
-  constexpr int kMiddle = 100;  // the bars are at three quarters
+  constexpr int kMiddle = 100;  // the bars have 75 % amplitude
   for (int bar = 0; bar < 8; ++bar) {
     const Rgb color = color_at(view, (2 * bar + 1) * view.width / 16 & ~1, view.height * 3 / 4 & ~1);
     const std::string what = fmt::format("bar {}: {} {} {}", bar, color.r, color.g, color.b);
@@ -162,7 +162,7 @@ TEST(Vivid, ControlsChangeThePicture) {
   for (const Control& control : controls.list()) std::printf("%s\n", control_json(control).dump().c_str());
   const auto brightness_of_white = [&] {
     CapturedImage image;
-    for (int i = 0; i < 12; ++i) image = next_picture(*source);  // more than are under way
+    for (int i = 0; i < 12; ++i) image = next_picture(*source);  // more than the number in flight
     return int{color_at(image.image.view(), 40, 360).g};
   };
   const int before = brightness_of_white();
@@ -203,7 +203,7 @@ TEST(Vivid, TheStampsMomentIsKnown) {
   for (int i = 0; i < 12; ++i) image = next_picture(*source);
   const double of_the_start_s = image.times.t_capture_sigma_s.value_or(0);
   EXPECT_GT(of_the_start_s, 0);
-  EXPECT_GT(of_the_end_s, of_the_start_s);  // how long the transfer took is not known
+  EXPECT_GT(of_the_end_s, of_the_start_s);  // because the transfer time is unknown
   source->controls()->set("timestamp_source", "End of Frame");
 }
 
@@ -260,7 +260,7 @@ TEST(Vivid, RefusedStartsAndBuffersAreNamed) {
   CapturedImage image = next_picture(*source);
   source->controls()->set("inject_vidioc_qbuf_error", nullptr);
   image = {};
-  for (int i = 0; i < 20; ++i) next_picture(*source);  // one buffer less
+  for (int i = 0; i < 20; ++i) next_picture(*source);  // one buffer fewer
 }
 
 TEST(Vivid, PicturesOutliveTheSource) {

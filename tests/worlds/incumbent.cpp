@@ -12,8 +12,8 @@ using Eigen::Vector2d;
 namespace {
 
 constexpr double kTick_s = 0.01;
-constexpr int kMostHealth = 20, kGrown = 3;
-/// mm/s2, of a ball that slides.
+constexpr int kMaxHealth = 20, kGrown = 3;
+/// Deceleration of a sliding ball, mm/s2.
 constexpr double kSlides = 3400;
 
 double wrapped(double angle_rad) {
@@ -23,7 +23,7 @@ Vector2d unit(const Vector2d& v) {
   const double length = v.norm();
   return length > 1e-9 ? Vector2d(v / length) : Vector2d(0, 0);
 }
-/// The weight of a filter in the mean.
+/// A filter's weight in the mean.
 double weight_of(double variance, int health) {
   return std::pow(std::sqrt(variance) / health, -1.5);
 }
@@ -112,7 +112,7 @@ void Incumbent::add_robot(int camera, double t_s, const RobotSighting& seen) {
   if ((Vector2d(filter.x.place, filter.y.place) - seen.place_mm).norm() > passed_s * kFastest_mm_s ||
       std::abs(turned) > passed_s * kFastestTurn)
     return;
-  filter.health = std::min(kMostHealth, filter.health + 2);
+  filter.health = std::min(kMaxHealth, filter.health + 2);
   filter.seen_s = t_s;
   filter.x.correct(seen.place_mm.x());
   filter.y.correct(seen.place_mm.y());
@@ -156,7 +156,7 @@ void Incumbent::add_ball(int camera, double t_s, const BallSighting& seen) {
     if (ball.camera != camera || passed_s <= 0 || off >= passed_s * kFastest_mm_s) continue;
     ball.x.correct(seen.place_mm.x());
     ball.y.correct(seen.place_mm.y());
-    ball.health = std::min(kMostHealth, ball.health + 2);
+    ball.health = std::min(kMaxHealth, ball.health + 2);
     ball.sightings = std::min(kGrown, ball.sightings + 1);
     ball.seen_s = t_s;
     ball.seen_mm = seen.place_mm;
@@ -177,7 +177,7 @@ void Incumbent::add_ball(int camera, double t_s, const BallSighting& seen) {
 }
 
 std::optional<Incumbent::Merged> Incumbent::merged_ball(double t_s) {
-  // The nearest to where the ball was; those seen lately before others.
+  // The filter nearest to the previous ball, preferring recently seen ones.
   const BallFilter* main = nullptr;
   double best = 1e18;
   for (const BallFilter& ball : balls_) {
@@ -219,17 +219,17 @@ void Incumbent::tick(double now_s) {
     if (const auto one = robot(name, ball->seen_s)) record.robots.push_back(*one);
   }
   records_.push_back(std::move(record));
-  constexpr std::size_t kRecords = 5, kMostSince = 40;
+  constexpr std::size_t kRecords = 5, kMaxSince = 40;
   if (records_.size() > kRecords) records_.pop_front();
   if (kick_) {
     since_kick_.emplace_back(ball->seen_s, ball->seen_mm);
-    if (since_kick_.size() > kMostSince) since_kick_.pop_front();
+    if (since_kick_.size() > kMaxSince) since_kick_.pop_front();
     fit_kick();
   }
   if (records_.size() == kRecords && ball->seen_s - kicked_s_ >= 0.1) look_for_kick();
 }
 
-/// A kick is a ball that leaves a robot's front, faster and farther in each of five records.
+/// A kick: the ball leaves a robot's front and moves away from it in each of five consecutive records.
 void Incumbent::look_for_kick() {
   constexpr double kNearMm = 90 + World::kBallRadiusMm + 90, kFrontRad = 0.8, kSlowest_mm_s = 600,
                    kAwayMm = 130;
@@ -265,7 +265,7 @@ void Incumbent::look_for_kick() {
   }
 }
 
-/// A straight line, slowing down.
+/// Fits a straight line with constant deceleration.
 void Incumbent::fit_kick() {
   constexpr std::size_t kFewest = 3, kMost = 30;
   if (since_kick_.size() < kFewest || since_kick_.size() > kMost) return;

@@ -10,9 +10,9 @@
 
 namespace sslv::worlds {
 
-/// Tracks made the way that is usual in the league: a filter of constant velocity for each object and camera,
-/// merged by their health; no camera's error is learnt, and latency is not made up for but by the velocity.
-/// Written from what is known of how it is done (docs/tracking.md), to compare with.
+/// The league's usual tracker: a constant-velocity filter per object and camera, merged by health; camera
+/// errors are not estimated, and latency is compensated only by the velocity. Written for comparison, from
+/// published knowledge (docs/measured/tracking.md).
 class Incumbent final : public Rival {
  public:
   void add(const WorldImage& image) override;
@@ -21,7 +21,7 @@ class Incumbent final : public Rival {
   std::optional<TrackedKick> kick() const override { return kick_; }
 
  private:
-  /// One axis.
+  /// Filter of one axis.
   struct Axis {
     void begin(double place, double variance, double error, double noise, double t_s, double velocity);
     void predict(double t_s);

@@ -9,8 +9,8 @@
 
 namespace sslv::worlds {
 
-/// The stages of the field's stack in a world, but for the first, which checks what a world makes right, and
-/// the last, which sends.
+/// The field's stack in a world, without its first stage, which validates data that a world generates
+/// correctly, and its last, which sends.
 class Ours final : public Rival {
  public:
   void add(const WorldImage& image) override {
@@ -29,7 +29,7 @@ class Ours final : public Rival {
   std::optional<TrackedKick> kick() const override { return tracker_.kick(); }
   const CameraAgreement& agreement() const { return learnt_; }
   const Tracker& tracker() const { return tracker_; }
-  /// Of the last image.
+  /// The last image's observations.
   const Observations& observations() const { return observations_; }
 
  private:
@@ -42,11 +42,11 @@ class Ours final : public Rival {
   CameraAgreement learnt_;
 };
 
-/// What is known of a world with a delay, for recordings: it is compared with the truth of that time.
+/// Smoothed tracks with a delay, for recordings; compared with the truth at that time.
 class Later {
  public:
   explicit Later(double lag_s) : smoother_(lag_s) {}
-  /// Gives the field as it was that long before.
+  /// Returns the field as it was `lag_s` earlier.
   const TrackedField& add(const WorldImage& image) {
     ours_.add(image);
     smoother_.add(ours_.observations(), image.arrival_s);

@@ -9,14 +9,14 @@
 
 namespace sslv::worlds {
 
-/// A tracker that is tried in a world: ours, or one made the way that is usual in the league.
+/// A tracker under test in a world: ours, or the league's usual one.
 class Rival {
  public:
   virtual ~Rival() = default;
   virtual void add(const WorldImage& image) = 0;
   virtual std::optional<TrackedRobot> robot(const RobotName& name, double t_s) = 0;
   virtual std::optional<TrackedBall> ball(double t_s) = 0;
-  /// All that it takes for balls.
+  /// All tracks that it considers balls.
   virtual std::vector<TrackedBall> balls(double t_s) {
     const auto one = ball(t_s);
     return one ? std::vector{*one} : std::vector<TrackedBall>{};

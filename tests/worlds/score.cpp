@@ -14,19 +14,19 @@ using Eigen::Vector2d, Eigen::Vector3d;
 
 namespace {
 
-/// From the sightings of an image to the packet.
+/// Time from an image's measurements to the packet.
 constexpr double kWork_s = 0.3e-3;
-/// Tracks settle; set-up has a row of its own.
+/// Tracks settle first, unscored; set-up has its own row.
 constexpr double kWarm_s = 6;
 constexpr double kShortly_s = 0.05;
-/// What is visible by half is taken for real; what is farther off is another thing.
+/// Tracks with at least this visibility count as shown; beyond that distance a track is of another object.
 constexpr double kShown = 0.5, kElsewhereMm = 300;
 
 double wrapped(double angle_rad) {
   return std::remainder(angle_rad, 2 * std::numbers::pi);
 }
 
-/// Off the carpet no camera sees what a robot does.
+/// No camera sees robots beyond the carpet.
 bool is_on_carpet(const Vector2d& place) {
   return std::abs(place.x()) <= 6350 && std::abs(place.y()) <= 4800;
 }
@@ -80,24 +80,24 @@ class Scorer {
   }
 
  private:
-  /// Of moments after which the velocity is wrong for a while.
+  /// Watches events after which the velocity is wrong for a while.
   struct Watch {
     std::size_t next = 0;
-    double began_s = -1;  // of what is watched; -1: nothing
-    double over_s = 0;    // so long the velocity has been wrong since
+    double began_s = -1;  // time of the watched event; -1: none
+    double over_s = 0;    // how long the velocity has been wrong since then
   };
   struct RobotScore {
     double seen_s = -1e9;  // by any camera
     Watch swerve, collision;
-    Vector2d error_mm{0, 0};  // at the image before
+    Vector2d error_mm{0, 0};  // at the previous image
     bool had_error = false;
   };
   struct KickScore {
-    int number = 0;  // as reported; 0: not
+    int number = 0;  // as reported; 0: not reported
     std::array<bool, 3> landing_scored{};
   };
 
-  /// Seconds since the last of these moments.
+  /// Seconds since the last of these events; begins to watch new ones.
   double since(const std::vector<double>& moments_s, Watch& watch, double now_s) const {
     while (watch.next < moments_s.size() && moments_s[watch.next] < now_s) {
       if (is_warm_ && now_s - moments_s[watch.next] < 0.02) {
@@ -116,7 +116,7 @@ class Scorer {
     watch.began_s = -1;
   }
 
-  /// Robots that are shown where none of their name is, and not only for a moment as if hidden.
+  /// Counts robots shown as visible where none of that name is.
   void watch_ghost_robots(double now_s) {
     for (int of_all = 0; of_all < static_cast<int>(is_ghost_.size()); ++of_all) {
       const auto robot = estimate(of_all, now_s);
@@ -171,7 +171,7 @@ class Scorer {
   }
 
   void score_robot(int i, double now_s, double passed_s) {
-    // Nobody can tell which of two is the right one, once neither was seen for a while.
+    // Once neither of the two was seen for a while, it is undecidable which is the right one.
     if (i == 0 && world_.options().has_twin) return;
     RobotScore& state = robots_[static_cast<std::size_t>(i)];
     const RobotTruth truth = world_.robot(i, now_s);
@@ -183,7 +183,7 @@ class Scorer {
       return;
     }
     const auto robot = estimate(i, now_s);
-    // Where no camera looks any more, nobody knows what a robot does; but it must not be shown as seen.
+    // Robots outside all cameras' view cannot be known, but must not be shown as seen.
     constexpr double kUnseen_s = 0.12;
     if (now_s - state.seen_s > kUnseen_s) {
       if (is_warm_ && robot && robot->visibility >= 1) ++out_.counts["unseen robots shown as seen (images)"];
@@ -338,7 +338,7 @@ class Scorer {
   std::vector<KickScore> kicks_;
   std::vector<double> turns_s_;
   std::array<bool, 3> hidden_scored_{};
-  std::array<bool, 32> is_ghost_{};  // robots of any id that a pattern can mean
+  std::array<bool, 32> is_ghost_{};  // robots of all ids that patterns encode
   bool was_ghost_ball_ = false;
   bool is_warm_ = false;
   double set_up_s_ = -1, ball_seen_s_ = -1;

@@ -10,7 +10,7 @@
 
 namespace sslv::worlds {
 
-/// Errors of one kind. Root mean squares alone would hide that something was far off for a short time.
+/// Errors of one kind. An rms alone would hide large errors of short duration.
 class Errors {
  public:
   void add(double error);
@@ -25,20 +25,20 @@ class Errors {
   double squares_ = 0;
 };
 
-/// What came out of some worlds.
+/// Results over some worlds.
 struct Score {
   std::map<std::string, Errors> errors;
   std::map<std::string, double> counts;
-  double scored_s = 0;  // time that was scored
+  double scored_s = 0;  // scored time
 
   void append(const Score& other);
   double a_minute(const std::string& count) const;
 };
 
-/// What is off of robots and of the ball as they are known so much later.
+/// Errors of robots and ball as estimated with a delay of `lag_s`.
 Score score_later(const World& world, double lag_s);
 
-/// Shows a world's images to a rival, and compares what it says when its packet leaves.
+/// Runs a tracker on a world's images and scores its estimates at the times when its packets leave.
 Score score(const World& world, Rival& rival);
 
 }  // namespace sslv::worlds

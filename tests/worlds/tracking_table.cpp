@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What tracks are worth: ours, and those made the way that is usual in the league, of the same sightings. A
-// Markdown table of what must be reached; exit 1 when something is not.
+// Track quality of our tracker and of the league's usual one, on the same measurements: a Markdown table with
+// limits; exit code 1 if one is missed.
 //   tracking_table [--seeds 3] [--first-seed 1] [--seconds 60] [--details]
-// --details: all that was measured, of every scenario.
+// --details: all measured values of every scenario.
 
 #include "incumbent.h"
 #include "ours.h"
@@ -23,7 +23,7 @@
 namespace sslv::worlds {
 namespace {
 
-/// Of both, over all seeds.
+/// Scores of both trackers over all seeds.
 struct Scores {
   Score usual, ours;
 };
@@ -78,7 +78,7 @@ const std::vector<Scenario>& scenarios() {
   return kAll;
 }
 
-/// So long after a moment recordings say what was then.
+/// Delay of the smoothed tracks in recordings.
 constexpr double kLater_s = 0.25;
 
 constexpr const char* kBallModel = "ball's model after 20 kicks";
@@ -117,7 +117,7 @@ Figure percent(const char* name, const char* of) {
 struct Row {
   const char *what, *scenario;
   Figure figure;
-  double most;  // to be reached; negative: at least that, without its sign
+  double most;  // limit; negative: lower limit, without its sign
 };
 
 std::vector<Row> rows() {
@@ -199,7 +199,7 @@ std::vector<Row> rows() {
   };
 }
 
-/// Of some seeds, one after the other.
+/// Consecutive seeds.
 struct Seeds {
   int first = 1, count = 3;
 };
@@ -216,7 +216,7 @@ Scores play(const Scenario& scenario, const Seeds& seeds, double seconds) {
     Incumbent usual;
     out.ours.append(score(world, ours));
     out.usual.append(score(world, usual));
-    // Those who do not look back know later what they knew at once.
+    // A tracker without smoothing has the same estimate later.
     for (const auto& [what, errors] : score_later(world, kLater_s).errors) {
       out.ours.errors["later: " + what].append(errors);
       if (const auto at_once = out.usual.errors.find(what); at_once != out.usual.errors.end())
@@ -232,7 +232,7 @@ Scores play(const Scenario& scenario, const Seeds& seeds, double seconds) {
   return out;
 }
 
-/// What a ball's model is off after so many kicks of each kind, in percent.
+/// Errors of the ball model after `kKicks` kicks of each kind, in percent.
 Scores learn_ball(const Seeds& seeds) {
   constexpr int kKicks = 20;
   constexpr double kLongest_s = 400;
@@ -296,7 +296,7 @@ void print_details(const std::string& name, const Scores& scores) {
   print("ours", scores.ours);
 }
 
-/// False when something is not reached.
+/// Prints the table; returns false if a limit is missed.
 bool table(const Seeds& seeds, double seconds, bool with_details) {
   std::map<std::string_view, Scores> all;
   for (const Scenario& scenario : scenarios()) all[scenario.name] = play(scenario, seeds, seconds);

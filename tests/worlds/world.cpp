@@ -15,9 +15,9 @@ namespace {
 
 constexpr double kStep_s = 1e-3;
 constexpr double kPi = std::numbers::pi;
-/// From a robot's centre to a ball that touches it.
+/// Distance from a robot's centre to a ball that touches it.
 constexpr double kTouchMm = 90 + World::kBallRadiusMm;
-/// Where its front is flat, a robot holds a ball.
+/// Distance of a held ball, at the robot's flat front.
 constexpr double kHeldMm = 100;
 
 Vector2d along(double angle_rad) {
@@ -34,21 +34,21 @@ double wrapped(double angle_rad) {
   return std::remainder(angle_rad, 2 * kPi);
 }
 
-/// What a robot is about, and how it accelerates.
+/// A robot's current intention and acceleration.
 struct Driver {
   Vector2d target_mm{0, 0};
   double until_s = 0, speed_mm_s = 2000, heading_rad = 0, spin_rad_s = 0;
   enum class Mode { kDrive, kStand, kSpin } mode = Mode::kDrive;
   Vector2d acceleration{0, 0};
   double turn_acceleration = 0, last_swerve_s = -1;
-  std::deque<Vector2d> accelerations;  // of the last 60 ms
+  std::deque<Vector2d> accelerations;  // over the last 60 ms
 };
 
-/// A ball that no robot holds.
+/// A ball that is not held.
 struct FreeBall {
   bool is_rolling = true, is_flying = false;
   int hops = 0;
-  double slid_from_mm_s = 0;  // the speed at which it began to slide
+  double slid_from_mm_s = 0;  // speed at the start of sliding
   // A kick takes some milliseconds.
   double ramp_s = 0;
   Vector3d ramp_to{0, 0, 0};
@@ -164,7 +164,7 @@ class Play {
     }
   }
 
-  /// Robots that touch push each other away, as discs that hardly spring back.
+  /// Touching robots repel each other, as almost inelastic discs.
   void collide(double t_s) {
     constexpr double kDiameterMm = 180, kSpringsBack = 0.2, kPush_mm_s = 300, kNext_s = 0.3;
     for (int i = 0; i < options_.robots; ++i) {
@@ -192,7 +192,7 @@ class Play {
   void hold(double t_s) {
     const RobotTruth& robot = at(holder_);
     const Vector2d ahead = along(robot.angle_rad), side = left_of(ahead);
-    const double wobble = 2 * std::sin(t_s * 2 * kPi * 13);  // a dribbler's
+    const double wobble = 2 * std::sin(t_s * 2 * kPi * 13);  // the dribbler's
     const Vector2d place = robot.place_mm + ahead * (kHeldMm + 0.5 * wobble) + side * wobble;
     const Vector2d velocity = robot.velocity_mm_s + side * (kHeldMm * robot.turn_rad_s);
     ball_.place_mm << place, World::kBallRadiusMm;
@@ -297,7 +297,7 @@ class Play {
     }
   }
 
-  /// False when the robot has it now.
+  /// Returns false if the robot now holds the ball.
   bool meet(int i, double t_s) {
     const RobotTruth& robot = at(i);
     const Vector2d away = ball_on_floor() - robot.place_mm;
@@ -360,7 +360,7 @@ Eigen::Matrix<double, 6, 1> terms_at(const WorldCamera& camera, const Vector2d& 
   return out;
 }
 
-/// A smooth error of this rms over what a camera sees.
+/// A smooth position error with this rms over a camera's view.
 WorldCamera::Terms some_bias(halls::Chance& chance, double rms_mm) {
   WorldCamera::Terms out;
   WorldCamera centre;
@@ -379,7 +379,7 @@ WorldCamera::Terms some_bias(halls::Chance& chance, double rms_mm) {
 
 }  // namespace
 
-/// Something that looks like a ball and stays for some images.
+/// A false ball that persists for some images.
 struct Stray {
   int images = 0;
   BallSighting sighting{};
@@ -458,7 +458,7 @@ double World::ball_slows_mm_s2(double t_s) const {
 Vector2d World::bias_of(const WorldCamera& camera, const Vector2d& place_mm, bool of_robots) const {
   const auto terms = terms_at(camera, place_mm);
   Vector2d out = (of_robots ? camera.robot_bias : camera.floor_bias) * terms;
-  // A third of it is nothing that squares describe.
+  // A third of the bias cannot be modelled by a quadratic.
   const double wave = 0.35 * (of_robots ? options_.robot_bias_mm : options_.floor_bias_mm);
   const double u = terms[1], v = terms[2], phase = camera.center_mm.x();
   return out + wave * Vector2d(std::sin(2.2 * u + 1.3 * v + phase), std::sin(1.7 * u - 2.1 * v + phase));
@@ -498,7 +498,8 @@ Vector2d World::twin_mm(double t_s) {
   return {3000 + 800 * std::cos(t_s), 2500 + 500 * std::sin(t_s)};
 }
 
-/// What is no robot and no ball of the field. The same whatever else happens.
+/// For see_strangers(): measurements of objects that are not the field's robots or ball. They have their own
+/// random numbers, so they are the same with all other options.
 constexpr double kTwinComes_s = 10;
 
 void World::see_strangers(int index, double t_s, WorldImage& image) const {
@@ -515,7 +516,7 @@ void World::see_strangers(int index, double t_s, WorldImage& image) const {
     add_robot(team_of(0), id_of(0), twin_mm(t_s), wrapped(t_s));
   }
   if (options_.hands_share <= 0) return;
-  // Somebody leans in for two seconds at a time, at a place of his own.
+  // A person leans in for two seconds at a time, each time at a new place.
   constexpr double kLeans_s = 2;
   const auto visit = static_cast<std::uint64_t>(t_s / kLeans_s);
   halls::Chance visitor(options_.seed + 7 * static_cast<std::uint64_t>(index), "visitor", visit);
@@ -524,7 +525,7 @@ void World::see_strangers(int index, double t_s, WorldImage& image) const {
   const Vector2d reaches(visitor.uniform(-300, 300), -side_y * visitor.uniform(0, 400));
   const double share = std::fmod(t_s, kLeans_s) / kLeans_s;
   const Vector2d hand = stands + reaches * std::sin(share * kPi);
-  // Skin and a shirt's print: a ball here and there, a dot of a team with whatever lies about it.
+  // Skin and a shirt's print: false balls, and sometimes a false robot.
   while (chance.happens(0.4)) {
     BallSighting ball{};
     ball.confidence = chance.uniform(0.3, 0.8);
@@ -561,7 +562,7 @@ void World::see(int index, long number, double t_s, Stray& stray) {
   for (int i = 0; i < options_.robots; ++i) {
     const RobotTruth truth = robot(i, t_s);
     if (!is_in_view(truth.place_mm, 60) || chance_.happens(options_.drop_share)) continue;
-    // One that is higher than it is taken for is seen farther out.
+    // A robot that is higher than assumed appears farther out.
     const double height = heights_mm_[static_cast<std::size_t>(i)];
     const Vector2d seen = below + (truth.place_mm - below) * (camera.center_mm.z() - kRobotHeightMm) /
                                       (camera.center_mm.z() - height);
@@ -586,7 +587,7 @@ void World::see(int index, long number, double t_s, Stray& stray) {
     const double off_x = sigma * chance_.normal(), off_y = sigma * chance_.normal();
     BallSighting ball{seen + bias_of(camera, seen, false) + Vector2d(off_x, off_y),
                       Eigen::Matrix2d::Identity() * sigma * sigma, chance_.uniform(0.85, 1)};
-    // A ball that is nearer to the camera looks larger.
+    // A ball closer to the camera appears larger.
     constexpr double kFocalPx = 1250;
     const double depth = (camera.center_mm - place).norm();
     const double radius_px =
@@ -602,7 +603,7 @@ void World::see(int index, long number, double t_s, Stray& stray) {
   const BallTruth ball = this->ball(t_s);
   bool is_hidden = std::any_of(occlusions_s_.begin(), occlusions_s_.end(),
                                [&](const auto& one) { return t_s >= one.first && t_s < one.second; });
-  // Robots stand in the way.
+  // Occlusion by robots.
   const Vector2d on_floor = ball.place_mm.head<2>();
   const Vector2d towards = unit(below - on_floor);
   const double reach =
@@ -630,7 +631,7 @@ void World::see(int index, long number, double t_s, Stray& stray) {
     BallSighting one{};
     one.confidence = chance_.uniform(0.5, 0.9);
     one.place_mm = {side_x * chance_.uniform(0, 6300), side_y * chance_.uniform(0, 4800)};
-    if (chance_.happens(0.5)) {  // at a robot
+    if (chance_.happens(0.5)) {  // next to a robot
       const int at = chance_.whole(0, options_.robots - 1);
       one.place_mm = robot(at, t_s).place_mm + 120 * along(chance_.uniform(-kPi, kPi));
     }

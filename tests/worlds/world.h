@@ -14,34 +14,33 @@
 
 namespace sslv::worlds {
 
-/// What happens on the field, and how the cameras see it. The defaults are those of the table in
-/// docs/tracking.md.
+/// Events on the field and properties of the cameras. Defaults: as in the table of docs/measured/tracking.md.
 struct WorldOptions {
   std::uint64_t seed = 1;
   double duration_s = 60;
   int robots = 22;
   double rate_hz = 75;
-  double latency_s = 0.015, latency_spread_s = 0.002;  // from exposure to when the sightings are there
-  double clock_offset_sigma_s = 0.4e-3;                // of each camera's time stamps
-  double jitter_sigma_s = 0.2e-3;                      // of each time stamp
-  double floor_bias_mm = 1, robot_bias_mm = 2.5;       // rms of what calibrations are off
+  double latency_s = 0.015, latency_spread_s = 0.002;  // from exposure to the measurements
+  double clock_offset_sigma_s = 0.4e-3;                // of each camera's timestamps
+  double jitter_sigma_s = 0.2e-3;                      // of each timestamp
+  double floor_bias_mm = 1, robot_bias_mm = 2.5;       // rms of the calibration errors
   double ball_size_sigma_px = 0.08;
-  double drop_share = 0.02;           // of sightings that are missing
-  double false_ball_share = 0.02;     // of images with a ball where none is
-  double occlusions_per_s = 0.3;      // of the ball, for .05 to .3 s, from all cameras
-  double wobble_mm = 0;               // of robots, faster than they can move
-  double noise = 1;                   // of sightings, as a multiple of the usual
-  double robot_height_spread_mm = 0;  // every robot's own, evenly up to this, within its team's
+  double drop_share = 0.02;           // fraction of missing measurements
+  double false_ball_share = 0.02;     // fraction of images with a false ball
+  double occlusions_per_s = 0.3;      // of the ball, for .05 to .3 s, for all cameras
+  double wobble_mm = 0;               // of robots, faster than real motion
+  double noise = 1;                   // of measurements, relative to the usual noise
+  double robot_height_spread_mm = 0;  // each robot's deviation from its team's height, uniform
   bool only_chips = false;
   bool robots_stand = false;
-  bool has_second_ball = false;    // that lies still, at kSecondBallMm
-  bool robots_collide = false;     // and often drive where another one is; else they pass through
-  double misread_share = 0;        // of sightings of robots that say another id of the same team
-  bool has_twin = false;           // another robot wears what the first one wears
-  bool has_ball_on_robot = false;  // something on the last robot looks like a ball
-  double hands_share = 0;          // of the time in which hands and shirts show at the edge of the field
+  bool has_second_ball = false;    // at rest, at kSecondBallMm
+  bool robots_collide = false;     // and often drive into each other; otherwise they pass through
+  double misread_share = 0;        // fraction of robots measured with another id of the same team
+  bool has_twin = false;           // another robot has the pattern of the first one
+  bool has_ball_on_robot = false;  // an object on the last robot looks like a ball
+  double hands_share = 0;          // fraction of time with hands and shirts at the field's edge
   double kick_takes_s = 3e-3;
-  double kick_passes_on = 0.5;  // of the robot's velocity, to the ball that it kicks
+  double kick_passes_on = 0.5;  // fraction of the robot's velocity passed on to the kicked ball
   double chip_rises_from_deg = 42, chip_rises_to_deg = 48;
   std::optional<double> camera_dies_s;  // camera 1 sends nothing from then on
 };
@@ -62,12 +61,12 @@ struct KickTruth {
   Eigen::Vector3d velocity_mm_s{0, 0, 0};
   bool is_chip = false;
   Eigen::Vector2d landing_mm{0, 0};
-  double landing_s = 0;    // 0: it did not
-  bool is_hidden = false;  // no camera saw the ball just before, or not twice just after
+  double landing_s = 0;    // 0: it did not land
+  bool is_hidden = false;  // not seen shortly before, or less than twice shortly after
   int robot = -1;
 };
 
-/// What turns a ball's way that is no kick.
+/// Changes of the ball's direction other than kicks.
 enum class BallTurn { kDeflection, kWall, kCatch, kBounce };
 
 struct WorldCamera {
@@ -77,46 +76,45 @@ struct WorldCamera {
   Terms floor_bias = Terms::Zero(), robot_bias = Terms::Zero();
 };
 
-/// One image of one camera, with what no tracker is told.
+/// One image of one camera, with ground truth that trackers do not get.
 struct WorldImage {
   CameraSightings sightings;
   double t_true_s = 0, arrival_s = 0;
-  int true_balls = 0;  // the first of sightings.balls
+  int true_balls = 0;  // the first ones in sightings.balls
 };
 
-/// A field of 12 x 9 m under four cameras, with robots that drive about, catch the ball, dribble and kick it;
-/// in steps of a millisecond. Nothing of it is drawn: sightings come with the errors that the detectors were
-/// measured to have.
+/// A field of 12 x 9 m under four cameras, with robots that drive, catch, dribble and kick the ball, in steps
+/// of a millisecond. Nothing is drawn: the measurements have the errors that were measured for the detectors.
 class World {
  public:
   explicit World(const WorldOptions& options);
 
   RobotTruth robot(int robot, double t_s) const;
   BallTruth ball(double t_s) const;
-  /// mm/s2 along the way, over the next 5 ms.
+  /// Deceleration along its direction over the next 5 ms, mm/s2.
   double ball_slows_mm_s2(double t_s) const;
   static Team team_of(int robot) { return robot % 2 ? Team::kBlue : Team::kYellow; }
   static int id_of(int robot) { return robot / 2; }
   static int robot_of(Team team, int id) { return 2 * id + (team == Team::kBlue ? 1 : 0); }
-  /// When this robot was pushed by another one.
+  /// Times at which this robot was pushed by another one.
   const std::vector<double>& collisions_of(int robot) const {
     return collisions_[static_cast<std::size_t>(robot)];
   }
 
   const WorldOptions& options() const { return options_; }
   const std::array<WorldCamera, 4>& cameras() const { return cameras_; }
-  const std::vector<WorldImage>& images() const { return images_; }  // by arrival
+  const std::vector<WorldImage>& images() const { return images_; }  // in order of arrival
   const std::vector<KickTruth>& kicks() const { return kicks_; }
   const std::vector<std::pair<double, BallTurn>>& turns() const { return turns_; }
-  /// When this robot's acceleration changed by more than 5 m/s2 within 60 ms.
+  /// Times at which this robot's acceleration changed by more than 5 m/s2 within 60 ms.
   const std::vector<double>& swerves_of(int robot) const { return swerves_[static_cast<std::size_t>(robot)]; }
-  /// How its ball slides and rolls.
+  /// Decelerations of the ball when sliding and rolling.
   double slides_mm_s2() const { return slides_mm_s2_; }
   double rolls_mm_s2() const { return rolls_mm_s2_; }
   double height_of(int robot) const { return heights_mm_[static_cast<std::size_t>(robot)]; }
 
   static constexpr double kBallRadiusMm = 21.5, kRobotHeightMm = 145, kGravityMm_s2 = 9810;
-  /// Where the other robot is that wears what the first one wears.
+  /// Position of the robot with the same pattern as the first one.
   static Eigen::Vector2d twin_mm(double t_s);
   inline static const Eigen::Vector2d kSecondBallMm{-2000, 4300};
   static constexpr double kHalfLengthMm = 6000, kHalfWidthMm = 4500;
@@ -132,7 +130,7 @@ class World {
   const WorldOptions options_;
   halls::Chance chance_;
   std::array<WorldCamera, 4> cameras_;
-  std::vector<std::vector<RobotTruth>> robots_;  // of each millisecond
+  std::vector<std::vector<RobotTruth>> robots_;  // for each millisecond
   std::vector<BallTruth> balls_;
   std::vector<double> heights_mm_;
   double slides_mm_s2_ = 0, rolls_mm_s2_ = 0;

@@ -2,7 +2,7 @@
 
 const UNITS = ['B', 'kB', 'MB', 'GB', 'TB'];
 
-/** A size with two or three figures: "1.3 GB". */
+/** A size with two or three significant figures: "1.3 GB". */
 export function bytes(count: number): string {
   let value = count;
   let unit = 0;

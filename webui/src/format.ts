@@ -9,18 +9,18 @@ export function figure(value: number): string {
   return grouped.format(value).replace(/,/g, THIN_SPACE).replace('-', MINUS);
 }
 
-/** A latency in milliseconds with three figures at most. */
+/** A latency in milliseconds with at most three figures. */
 export function latencyMs(value: number): string {
   return value < 9.995 ? value.toFixed(2) : value < 99.95 ? value.toFixed(1) : value.toFixed(0);
 }
 
-/** A stage's time: microseconds, in milliseconds from ten on. */
+/** A stage's time in µs, or in ms from 10 ms. */
 export function stageTime(us: number): { value: string; unit: string } {
   if (us >= 9999.5) return { value: latencyMs(us / 1000), unit: 'ms' };
   return { value: us < 9.95 ? us.toFixed(1) : figure(us), unit: 'µs' };
 }
 
-/** A number with a fixed count of decimals and a true minus. */
+/** A number with a fixed number of decimals and a true minus sign. */
 export function decimal(value: number, decimals: number): string {
   const text = value.toFixed(decimals);
   return Number(text) === 0 ? text.replace('-', '') : text.replace('-', MINUS);
@@ -49,19 +49,19 @@ export function exactDuration(seconds: number): string {
 
 const twoFigures = (value: number) => String(value).padStart(2, '0');
 
-/** "14:02:31", or "14:02", of a Unix time in seconds, in the reader's zone. */
+/** "14:02:31", or "14:02", for a Unix time in seconds, in the viewer's time zone. */
 export function timeOfDay(unixSeconds: number, withSeconds = true): string {
   const at = new Date(unixSeconds * 1000);
   return [at.getHours(), at.getMinutes(), ...(withSeconds ? [at.getSeconds()] : [])].map(twoFigures).join(':');
 }
 
-/** "14:02:31.204" of a Unix time in seconds, in the reader's zone. */
+/** "14:02:31.204" for a Unix time in seconds, in the viewer's time zone. */
 export function timeOfDayMs(unixSeconds: number): string {
   const ms = Math.round(unixSeconds * 1000);
   return `${timeOfDay(Math.floor(ms / 1000))}.${String(ms % 1000).padStart(3, '0')}`;
 }
 
-/** "14:02:31" of a Unix time in seconds, in the reader's zone; with the day unless it is today. */
+/** "14:02:31" for a Unix time in seconds, in the viewer's time zone; with the date unless it is today. */
 export function clockTime(unixSeconds: number, today = new Date()): string {
   const at = new Date(unixSeconds * 1000);
   const time = timeOfDay(unixSeconds);

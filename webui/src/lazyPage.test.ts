@@ -13,7 +13,7 @@ const goTo = (name: string) => { (page as Ref<unknown>).value = { name }; };
 const listeners = new Map<() => void, AbortSignal>();
 const reload = vi.fn();
 
-/** What Vue does when the page is shown. */
+/** Loads the page as Vue does when it is shown. */
 const open = (load: () => Promise<Component>) => (lazyPage(load) as unknown as { __asyncLoader(): Promise<Component> }).__asyncLoader();
 const gone = () => Promise.reject(new Error('404'));
 

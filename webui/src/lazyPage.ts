@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A page that loads when it is opened. Without the service it waits for it and then loads by itself.
+// A page that is loaded when it is opened. If the service is unreachable, it waits and then loads automatically.
 import { defineAsyncComponent, type Component } from 'vue';
 import { page } from './router';
 import PageLoading from './shell/PageLoading.vue';
@@ -20,7 +20,7 @@ const nextTry = () => new Promise<void>((resolve) => {
   addEventListener('online', end, { signal: listening.signal });
 });
 
-/** Of a sheet that did not come, browsers have none, or one that nobody may read. */
+/** For a failed style sheet, browsers have no `sheet`, or one whose rules cannot be read. */
 function hasFailed({ sheet }: HTMLLinkElement): boolean {
   try {
     return !sheet?.cssRules;
@@ -29,7 +29,7 @@ function hasFailed({ sheet }: HTMLLinkElement): boolean {
   }
 }
 
-/** A style sheet that failed is not asked for again by the import. */
+/** Reloads failed style sheets, which the import does not request again. */
 async function loadStylesAgain(): Promise<void> {
   const failed = [...document.querySelectorAll<HTMLLinkElement>('link[rel="stylesheet"]')].filter(hasFailed);
   await Promise.all(failed.map((old) => new Promise<void>((resolve) => {
@@ -39,7 +39,7 @@ async function loadStylesAgain(): Promise<void> {
   })));
 }
 
-/** A browser may remember that a script could not be had; only the page's own reload has it forget that. */
+/** A browser may remember that a script failed to load; only reloading the page clears that. */
 function reload(): void {
   try {
     if (Date.now() - Number(sessionStorage.getItem(RELOAD_KEY) ?? 0) < RELOAD_EVERY_MS) return;
@@ -63,7 +63,7 @@ export function lazyPage(load: () => Promise<Component>): Component {
       const isLeft = () => page.value.name !== openedOn;
       while (!isLeft() && !await lookForPanel()) await nextTry();
       if (!isLeft() && isOutdated.value && await loadNewPanel(false, () => !isLeft())) return;
-      // The next visit begins from the start.
+      // The next visit starts over.
       if (isLeft()) return fail();
       if (attempts > 1) reload();
       await loadStylesAgain();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pages by the address behind the hash, "#/camera/1", so that any file server can serve the panel.
+// Selects the page by the address after the hash, "#/camera/1", so that any file server can serve the panel.
 import { computed, ref, type Component } from 'vue';
 import type { IconName } from './components/icons';
 import { lazyPage } from './lazyPage';
@@ -10,13 +10,13 @@ export interface Page {
   title: string;
   icon: IconName;
   component: Component;
-  /** Reached by a link elsewhere. */
+  /** Not in the rail; other pages link to it. */
   isAside?: boolean;
-  /** Alone on the screen, without the rail and the bar. */
+  /** Fills the screen, without the rail and the bar. */
   isAlone?: boolean;
 }
 
-/** The pages in the order of the rail; the first is where a visitor lands. Others than the first load when opened. */
+/** The pages in the order of the rail; the first is the start page. The others are loaded when they are opened. */
 export const pages: readonly [Page, ...Page[]] = [
   { name: 'overview', title: 'Overview', icon: 'overview', component: OverviewPage },
   { name: 'camera', title: 'Camera', icon: 'camera', component: lazyPage(() => import('./pages/camera/CameraPage.vue')) },
@@ -35,10 +35,10 @@ addEventListener('hashchange', () => { hash.value = location.hash; });
 
 const parts = computed(() => hash.value.replace(/^#\/?/, '').split('/'));
 export const page = computed(() => pages.find(({ name }) => name === parts.value[0]) ?? pages[0]);
-/** What follows the page's name, such as a camera's number. */
+/** The first part after the page's name, such as a camera's number. */
 export const pageArgument = computed(() => parts.value[1] ?? '');
 
-/** All that follows the page's name, such as a place in the settings. */
+/** Everything after the page's name, such as a place in the settings. */
 export const pagePath = computed(() => parts.value.slice(1).join('/'));
 
 export const link = (name: string, argument?: string | number) =>

@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// The panel's service worker: keeps the panel's own files, so that it opens at once over any link and without the service.
-// What is under api/ and all of other hosts it never touches. The build fills in what there is to keep.
+// The panel's service worker: caches the panel's files, so that it opens at once over any link and without the service.
+// It does not handle api/ or other hosts. The build inserts the file list.
 declare const self: ServiceWorkerGlobalScope;
 /** Relative to the panel's address; './' is the page itself. */
 declare const FILES: readonly string[];
-/** Another one for every other content of these files. */
+/** Differs for every content of these files. */
 declare const VERSION: string;
 
-/** Of the panel's caches; src/cachePrefix.ts has it. */
+/** Prefix of the panel's cache names, from src/cachePrefix.ts. */
 declare const PREFIX: string;
 
 const NAME = PREFIX + VERSION;
 const BASE = new URL('./', self.location.href);
 
-/** An upgrade between two fetches gives the page of another panel than the files that are listed here. */
+/** An upgrade between two requests could deliver the page of another panel than the listed files. */
 async function checkPage(page: Response): Promise<void> {
   const entry = /<script[^>]*src="[^"]*?(assets\/[^"]+)"/.exec(await page.text())?.[1] ?? '';
   if (!FILES.includes(entry)) throw new Error(`the page wants ${entry}, which is not among the files`);
 }
 
-/** One file after the other: the panel's images share the link. */
+/** Loads one file at a time: the panel's images share the link. */
 async function fill(cache: Cache): Promise<void> {
   for (const file of FILES) {
     const url = new URL(file, BASE).href;
@@ -32,7 +32,7 @@ async function fill(cache: Cache): Promise<void> {
   }
 }
 
-/** What fails leaves all as it was; browsers try again. */
+/** A failure changes nothing; browsers try again. */
 async function keepAll(): Promise<void> {
   const isNew = !await caches.has(NAME);
   try {
@@ -61,15 +61,15 @@ self.addEventListener('fetch', (event) => {
   if (request.method !== 'GET' || url.origin !== BASE.origin || !url.pathname.startsWith(BASE.pathname)) return;
   const path = url.pathname.slice(BASE.pathname.length);
   if (path.startsWith('api/')) return;
-  // The page asks for its own address, too, to learn whether the service has a newer panel.
+  // Only navigations: the page also fetches its own address, to ask the service for a newer panel.
   const isPage = path === '' && request.mode === 'navigate';
   if (isPage || FILES.includes(path)) event.respondWith(fromCache(new URL(path || './', BASE).href, request));
 });
 
-/** A page asks which panel it would get from here. */
+/** A page asks which panel it would get from this worker. */
 self.addEventListener('message', ({ data, ports }) => ports[0]?.postMessage(FILES.includes(data)));
 
-/** An alert leads back to the panel. */
+/** A click on a notification focuses the panel. */
 self.addEventListener('notificationclick', (event) => {
   event.notification.close();
   event.waitUntil(self.clients.matchAll({ type: 'window' }).then(([panel]) => panel?.focus()));

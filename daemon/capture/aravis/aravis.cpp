@@ -37,12 +37,13 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kForeignPackets(100);
-/// The longest wait for a socket that the library's thread has yet to open.
+/// Maximum wait for a socket that the library's thread opens late.
 constexpr std::chrono::seconds kLateSocket(2);
-/// Nothing of its own for this long after the opening although something came: foreign packets, all the same.
+/// If all data received until this long after the start of the stream is foreign, the opening counts as
+/// failed.
 constexpr std::chrono::milliseconds kFirstPicture(500);
 
-/// What has come since the stream was started.
+/// Summary of the data received since the stream was started.
 struct Arrivals {
   enum class Best { kNothing, kForeign, kOwn };
 
@@ -54,24 +55,24 @@ struct Arrivals {
   }
 };
 
-/// What the source, the library's threads and the images still out share.
+/// Shared by the source, the library's threads and the lent images.
 struct Link {
   std::mutex mutex;
-  ArvStream* stream = nullptr;  // guarded; null once the source is closed
+  ArvStream* stream = nullptr;  // guarded by mutex; null once the source is closed
   std::atomic<bool> control_lost{false};
 };
 
-/// Hangs on each buffer; holds the link while the buffer is out. Written under the link's mutex.
+/// User data of each buffer; refers to the link while the buffer is lent. Written with the link's mutex held.
 struct Lease {
   std::shared_ptr<Link> link{};
-  std::shared_ptr<SharedMemory> memory{};  // in which its bytes lie, unless they are the library's
+  std::shared_ptr<SharedMemory> memory{};  // the buffer's memory, unless the library allocated it
 };
 
 Lease& lease_of(ArvBuffer* buffer) {
   return *static_cast<Lease*>(const_cast<void*>(arv_buffer_get_user_data(buffer)));
 }
 
-/// Gives the buffer back to the stream, or frees it when that has been closed.
+/// Returns the buffer to the stream, or frees it if the stream has been closed.
 void give_back(void*, void* lent) noexcept {
   auto* buffer = static_cast<ArvBuffer*>(lent);
   const std::shared_ptr<Link> link = lease_of(buffer).link;
@@ -84,11 +85,11 @@ void give_back(void*, void* lent) noexcept {
   }
 }
 
-/// Says when images were taken, by what the camera tells in their buffers.
+/// Determines capture times from the times in the camera's buffers.
 class BufferTimes {
  public:
-  /// Asks the camera, whose mutex must be held, what the times of images depend on. Throws CaptureError, with
-  /// the camera's label, if it does not answer.
+  /// Reads the camera's features that affect image times. Requires the camera's mutex. Throws CaptureError,
+  /// with the camera's label, if the camera does not answer.
   void prepare(ArvCamera* camera, bool use_chunks, std::string_view label) {
     Failure failure;
     for (const char* feature : {"PtpEnable", "GevIEEE1588"}) {
@@ -99,7 +100,7 @@ class BufferTimes {
     }
     if (!use_chunks) return;
     chunks_.reset(arv_camera_create_chunk_parser(camera));
-    // In nanoseconds, unless an older GigE camera says otherwise.
+    // The camera's clock counts nanoseconds, unless an older GigE camera reports another frequency.
     const gint64 per_s =
         arv_camera_is_feature_available(camera, "GevTimestampTickFrequency", failure) != FALSE
             ? arv_camera_get_integer(camera, "GevTimestampTickFrequency", failure)
@@ -108,19 +109,19 @@ class BufferTimes {
     if (!failure.failed() && per_s > 0) ticks_per_s_ = static_cast<double>(per_s);
   }
 
-  /// `exposure_s`: as the camera was last read. `is_sound`: chunks may be looked for.
-  CaptureTimes of(ArvBuffer* buffer, double exposure_s, bool is_sound) {
+  /// `exposure_s`: as last read from the camera. `is_valid`: the buffer may be searched for chunks.
+  CaptureTimes of(ArvBuffer* buffer, double exposure_s, bool is_valid) {
     PictureStamps stamps;
     stamps.exposure_s = exposure_s;
     stamps.has_ptp = has_ptp_;
-    // The moment the image's first packet came.
+    // Arrival of the image's first packet.
     const guint64 system_ns = arv_buffer_get_system_timestamp(buffer);
     stamps.arrival_s = system_ns != 0 ? static_cast<double>(system_ns) * 1e-9 : unix_time_s();
     const guint64 camera_ns = arv_buffer_get_timestamp(buffer);
-    // A damaged image may lack the packet that has its time; the buffer then holds an older one.
+    // A damaged image may lack the packet with its time; the buffer then holds an older time.
     const bool is_damaged = arv_buffer_get_status(buffer) != ARV_BUFFER_STATUS_SUCCESS;
     if (camera_ns != 0 && !is_damaged) stamps.camera_s = static_cast<double>(camera_ns) * 1e-9;
-    if (chunks_ && is_sound && arv_buffer_has_chunks(buffer)) read_chunks(buffer, stamps);
+    if (chunks_ && is_valid && arv_buffer_has_chunks(buffer)) read_chunks(buffer, stamps);
     return times_.of(stamps, unix_time_s(), static_cast<double>(steady_ns()) * 1e-9);
   }
 
@@ -136,13 +137,13 @@ class BufferTimes {
 
   PictureTimes times_;
   bool has_ptp_ = false;
-  Object<ArvChunkParser> chunks_;  // null: images carry none
-  double ticks_per_s_ = 1e9;       // of ChunkTimestamp
+  Object<ArvChunkParser> chunks_;  // null without chunks
+  double ticks_per_s_ = 1e9;       // frequency of ChunkTimestamp
 };
 
-/// An automatic exposure changes at any time, and one that was not answered is not known. The camera answers
-/// when it likes, so a thread of its own asks, and only while images come: a dead camera would keep it, and
-/// the closing, waiting.
+/// Reads the exposure time regularly while it is automatic or unknown. Uses its own thread, because the
+/// camera may answer slowly. Asks only while images arrive, because waiting for the answer of a dead camera
+/// would delay the closing.
 class ExposureFollower {
  public:
   ExposureFollower(AravisCamera& camera, const Link& link) : camera_(camera), link_(link) {}
@@ -150,10 +151,10 @@ class ExposureFollower {
   void start() {
     thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   }
-  /// Waits for an answer that is under way.
+  /// Waits for a pending answer.
   void stop() { thread_ = {}; }
 
-  /// An image came.
+  /// Call when an image has arrived.
   void note_image() { image_ns_.store(steady_ns(), std::memory_order_relaxed); }
 
  private:
@@ -205,7 +206,7 @@ class AravisSource final : public Source {
     exposure_.stop();
     {
       const std::lock_guard lock(shared_->mutex);
-      // A dead camera would only make us wait for its answers.
+      // Skipped for a dead camera: waiting for its answer would only delay the closing.
       if (!link_->control_lost) arv_camera_stop_acquisition(camera(), nullptr);
       shared_->is_closed = true;
     }
@@ -215,7 +216,7 @@ class AravisSource final : public Source {
     }
     stream_.reset();
     const std::lock_guard lock(shared_->mutex);
-    shared_->camera.reset();  // controls that somebody still holds must not keep it
+    shared_->camera.reset();  // controls that are still held must not keep the camera open
   }
 
   std::shared_ptr<Controls> controls() override { return controls_; }
@@ -253,7 +254,7 @@ class AravisSource final : public Source {
     arrivals_.last_buffer = now;
     const SentPicture sent = reader_.picture_in(buffer, problem);
     if (sent.format == nullptr) {
-      // Of foreign packets not even an image's beginning is understood.
+      // A buffer that received only foreign packets does not even contain the start of an image.
       const bool is_foreign = arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_CLEARED;
       arv_stream_push_buffer(stream_.get(), buffer);
       if (arrivals_.best != Arrivals::Best::kOwn)
@@ -286,8 +287,8 @@ class AravisSource final : public Source {
 
   ArvCamera* camera() const { return shared_->camera.get(); }
 
-  /// The library reports the loss from a thread of its own, possibly while we are closing: the handler works
-  /// on the link only and holds it.
+  /// The library reports the loss of the camera on its own thread, possibly during closing. So the handler
+  /// uses only the link, which it keeps alive.
   void watch_control() {
     const auto on_lost =
         +[](ArvDevice*, gpointer link) { (*static_cast<std::shared_ptr<Link>*>(link))->control_lost = true; };
@@ -301,7 +302,8 @@ class AravisSource final : public Source {
     return (bytes + kPage - 1) / kPage * kPage;
   }
 
-  /// What the packets that reach the library must fit. Throws CaptureError where none would.
+  /// Limits for the packets that reach the library. Throws CaptureError if no packet can be within the
+  /// limits.
   GvspBounds bounds(std::size_t payload) const {
     const auto number_of = [](GSocketAddress* address) {
       GInetAddress* inet = g_inet_socket_address_get_address(G_INET_SOCKET_ADDRESS(address));
@@ -324,9 +326,9 @@ class AravisSource final : public Source {
             arv_gv_stream_get_port(ARV_GV_STREAM(stream_.get())), payload, packet_bytes};
   }
 
-  /// Lets only packets that fit into the buffers reach the library. Before it has buffers, it throws away
-  /// what came sooner: also what is meant for others, which its packet socket takes in until it has a filter,
-  /// and whose numbers would make the camera's own images look late.
+  /// Lets only packets that fit into the buffers reach the library. Until the filters are attached, the
+  /// library's packet socket also receives packets for other programs, whose numbers would make the camera's
+  /// own images look late. The library discards these packets, because it has no buffers yet.
   void guard(std::size_t payload) const {
     const GvspBounds known = bounds(payload);
     const int wanted = ARAVIS_HAS_PACKET_SOCKET != 0 && may_open_packet_sockets() ? 2 : 1;
@@ -343,13 +345,13 @@ class AravisSource final : public Source {
         label_, guarded, wanted);
   }
 
-  /// For all buffers of the stream, where other processes are to look at images; else null.
+  /// Memory for all buffers of the stream if other processes are to read images, otherwise null.
   std::shared_ptr<SharedMemory> shared_buffers(std::size_t payload) const {
     if (!new_images_are_shared()) return nullptr;
     try {
       return std::make_shared<SharedMemory>(static_cast<std::size_t>(options_.buffers) * in_pages(payload));
     } catch (const std::system_error&) {
-      return nullptr;  // then images are copied
+      return nullptr;  // images are then copied for other processes
     }
   }
 
@@ -372,7 +374,7 @@ class AravisSource final : public Source {
       const auto destroy = [](gpointer lease) { delete static_cast<Lease*>(lease); };
       void* const bytes = memory ? memory->data() + static_cast<std::size_t>(i) * in_pages(payload) : nullptr;
       ArvBuffer* buffer = arv_buffer_new_full(payload, bytes, new Lease{{}, memory}, destroy);
-      // Whatever does not come: no image shows what was in the memory before.
+      // Parts of an image that never arrive must not show the previous contents of this memory.
       std::memset(const_cast<void*>(arv_buffer_get_data(buffer, nullptr)), 0, payload);
       arv_stream_push_buffer(stream_.get(), buffer);
     }
@@ -385,11 +387,11 @@ class AravisSource final : public Source {
   }
 
   const AravisOptions options_;
-  std::string label_;  // as the admin calls the camera
+  std::string label_;  // the admin's name of the camera
   const std::shared_ptr<Link> link_ = std::make_shared<Link>();
   const std::shared_ptr<AravisCamera> shared_ = std::make_shared<AravisCamera>();
   const std::shared_ptr<Controls> controls_ = aravis_controls(shared_);
-  Object<ArvStream> stream_;  // goes before the camera
+  Object<ArvStream> stream_;  // destroyed before the camera
   std::vector<std::string> warnings_;
   BufferTimes times_;
   AravisBufferReader reader_{options_.use_incomplete};

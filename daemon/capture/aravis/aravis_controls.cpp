@@ -18,7 +18,7 @@
 namespace sslv {
 namespace {
 
-/// They change how large images are, so that the stream's buffers no longer fit.
+/// Features that change the image size, so that the stream's buffers no longer fit.
 constexpr std::array<std::string_view, 8> kLayout{"Width",
                                                   "Height",
                                                   "PixelFormat",
@@ -28,13 +28,13 @@ constexpr std::array<std::string_view, 8> kLayout{"Width",
                                                   "DecimationVertical",
                                                   "SensorBinning"};
 
-/// Starting and stopping is the source's own work.
+/// Hidden: the source itself starts and stops the acquisition.
 constexpr std::array<std::string_view, 5> kOurs{"AcquisitionStart", "AcquisitionStop", "AcquisitionAbort",
                                                 "AcquisitionMode", "TLParamsLocked"};
 
-/// Their choices have values of their own at the same time, as red and blue have for the white balance. Each
-/// is a control of its own, "BalanceRatio[Red]", which can be saved and set back. What other selectors choose
-/// is shown for the choice that is set.
+/// Selectors whose choices all have independent values, such as red and blue for the white balance. Each
+/// choice becomes its own control, "BalanceRatio[Red]", which can be saved and restored. Features of other
+/// selectors are shown for the current choice.
 constexpr std::array<std::string_view, 3> kSplit{"BalanceRatioSelector", "GainSelector",
                                                  "BlackLevelSelector"};
 
@@ -44,7 +44,7 @@ bool is_one_of(const std::array<std::string_view, N>& names, std::string_view na
 }
 
 std::optional<double> finite(double value) {
-  // Drivers say the type's limits where there are none.
+  // For a feature without limits, drivers report the limits of the number's type.
   const bool is_limit = !std::isfinite(value) || std::abs(value) >= 9e18;
   return is_limit ? std::nullopt : std::optional(value);
 }
@@ -58,7 +58,7 @@ std::vector<std::string> choices_of(ArvGcEnumeration* node) {
   return out;
 }
 
-/// A selector at one of its choices, as long as this lives.
+/// Sets a selector to a choice for this object's lifetime. Throws SettingsError if the camera refuses.
 class Selected {
  public:
   Selected(ArvGcEnumeration* selector, const std::string& choice) : selector_(selector) {
@@ -99,10 +99,10 @@ class AravisControls final : public Controls {
   }
 
  private:
-  /// Where a control is: a feature, or that of one choice of a selector.
+  /// Location of a control: a feature, possibly at one choice of a selector.
   struct Place {
     ArvGcFeatureNode* node;
-    ArvGcEnumeration* selector;  // null: none
+    ArvGcEnumeration* selector;  // null without a selector
     std::string choice;
   };
 
@@ -120,14 +120,14 @@ class AravisControls final : public Controls {
     throw SettingsError(fmt::format("{}: the camera has no such control", name));
   }
 
-  /// Not while a category's features are gone through: Aravis makes a new list of them whenever it is asked.
+  /// Must not run during an iteration over a category's features: Aravis rebuilds that list on every request.
   void find_selectors_once() {
     if (std::exchange(knows_selectors_, true)) return;
     std::set<std::string> seen;
     find_selectors(genicam(), "Root", seen);
   }
 
-  /// The selector that chooses what a feature is of; null: none.
+  /// The selector that this feature depends on; null if none.
   ArvGcFeatureNode* selector_of(ArvGcFeatureNode* node) const {
     const auto found = selectors_.find(text_or_empty(arv_gc_feature_node_get_name(node)));
     return found == selectors_.end() ? nullptr : found->second;
@@ -149,7 +149,7 @@ class AravisControls final : public Controls {
     }
   }
 
-  /// Whether each choice of this selector has controls of its own.
+  /// Whether each choice of this selector has its own controls.
   static bool is_split(ArvGcFeatureNode* selector) {
     return ARV_IS_GC_ENUMERATION(selector) &&
            is_one_of(kSplit, text_or_empty(arv_gc_feature_node_get_name(selector))) &&
@@ -158,13 +158,13 @@ class AravisControls final : public Controls {
            choices_of(ARV_GC_ENUMERATION(selector)).size() > 1;
   }
 
-  /// The selector whose choices have a control each of this feature; null: it is one control.
+  /// The selector whose choices split this feature into several controls; null if the feature is one control.
   ArvGcEnumeration* splitting(ArvGcFeatureNode* node) const {
     ArvGcFeatureNode* selector = ARV_IS_GC_COMMAND(node) ? nullptr : selector_of(node);
     return selector != nullptr && is_split(selector) ? ARV_GC_ENUMERATION(selector) : nullptr;
   }
 
-  /// A feature that is one control. With one choice only its selector does not matter.
+  /// The control of an unsplit feature. A selector with only one choice does not count as a dependency.
   Control whole_control_of(ArvGcFeatureNode* node, const std::string& category) const {
     Control out = control_of(node, category);
     ArvGcFeatureNode* selector = selector_of(node);
@@ -195,7 +195,7 @@ class AravisControls final : public Controls {
         const Selected selected(selector, choice);
         out.push_back(selected_control_of(node, category, choice));
       } catch (const SettingsError&) {
-        continue;  // the camera does not select it now
+        continue;  // the camera does not permit this choice now
       }
     }
   }
@@ -212,7 +212,7 @@ class AravisControls final : public Controls {
     return ARV_GC_FEATURE_NODE(node);
   }
 
-  /// Whether it is a feature of this very camera, for people.
+  /// Whether the camera implements this feature and shows it to users.
   static bool is_shown(ArvGcFeatureNode* node) {
     const bool is_kind = ARV_IS_GC_COMMAND(node) || ARV_IS_GC_ENUMERATION(node) || ARV_IS_GC_BOOLEAN(node) ||
                          ARV_IS_GC_STRING(node) || ARV_IS_GC_FLOAT(node) || ARV_IS_GC_INTEGER(node);
@@ -256,13 +256,13 @@ class AravisControls final : public Controls {
     return out;
   }
 
-  /// What is not available now has no value and no range.
+  /// Unavailable features get no value and no range.
   static void fill_kind(ArvGcFeatureNode* node, bool is_available, Control& out) {
     Failure failure;
     const auto set = [&](Json value) {
       if (!failure.failed()) out.value = std::move(value);
     };
-    // An enumeration is an integer too, so the order matters.
+    // The order matters: Aravis's enumerations are also integers.
     if (ARV_IS_GC_COMMAND(node)) {
       out.kind = ControlKind::kAction;
     } else if (ARV_IS_GC_ENUMERATION(node)) {
@@ -340,8 +340,8 @@ class AravisControls final : public Controls {
   }
 
   const std::shared_ptr<AravisCamera> camera_;
-  std::map<std::string, ArvGcFeatureNode*> selectors_;  // of features, by these' names
-  bool knows_selectors_ = false;                        // guarded, as they are, by the camera's mutex
+  std::map<std::string, ArvGcFeatureNode*> selectors_;  // by feature name
+  bool knows_selectors_ = false;                        // guarded by the camera's mutex, like selectors_
 };
 
 }  // namespace

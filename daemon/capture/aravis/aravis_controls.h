@@ -10,22 +10,22 @@
 
 namespace sslv {
 
-/// An open camera. The thread that takes its images and the threads that set its controls share it. The
-/// library's feature tree is for one thread at a time.
+/// An open camera, shared by the thread that receives its images and the threads that set its controls. The
+/// library's feature tree is not thread-safe.
 struct AravisCamera {
   std::mutex mutex;  // guards the camera's features
   Object<ArvCamera> camera;
-  bool is_streaming = false;                     // guarded
-  bool is_closed = false;                        // guarded
-  std::atomic<double> exposure_s{0};             // as it was last read; 0: not known
-  std::atomic<bool> may_exposure_change{false};  // it is automatic, or was not answered
+  bool is_streaming = false;                     // guarded by mutex
+  bool is_closed = false;                        // guarded by mutex
+  std::atomic<double> exposure_s{0};             // as last read; 0: unknown
+  std::atomic<bool> may_exposure_change{false};  // the exposure is automatic, or the camera did not answer
 };
 
-/// All features of the camera's GenICam description that somebody may see.
+/// Controls for all visible features of the camera's GenICam description.
 std::shared_ptr<Controls> aravis_controls(std::shared_ptr<AravisCamera> camera);
 
-/// The exposure time as the camera has it now, kept in `camera`; its mutex must be held. If the camera does
-/// not answer, what was known stays until it is asked again.
+/// Reads the exposure time into `camera`, whose mutex must be held. If the camera does not answer, keeps the
+/// old value until the next call.
 void read_exposure(AravisCamera& camera);
 
 }  // namespace sslv

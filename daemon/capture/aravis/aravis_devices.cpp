@@ -18,7 +18,7 @@ struct Device {
   std::string id, physical_id, address, vendor, model, serial, protocol;
 };
 
-/// Cameras that answer now. Takes about a second, because the library waits for late answers; several camera
+/// The cameras that answer a search. Takes about a second, because the library waits for late answers; camera
 /// threads that start together share one search.
 std::vector<Device> find_devices() {
   constexpr std::chrono::milliseconds kFresh(300);
@@ -39,8 +39,8 @@ std::vector<Device> find_devices() {
   return devices;
 }
 
-/// What Aravis opens a device by. With several network cards the address is safer than the id, for which the
-/// library may choose the wrong card.
+/// The name with which Aravis opens a device. With several network cards the address is safer than the id,
+/// for which the library may choose the wrong card.
 std::string handle_of(const Device& device) {
   return device.protocol == "GigEVision" ? device.address : device.id;
 }
@@ -61,7 +61,7 @@ AravisHandle resolve_aravis_camera(const std::string& camera) {
 }
 
 void check_aravis_serial(ArvCamera* camera, const AravisHandle& handle) {
-  constexpr guint64 kSerialRegister = 0xd8;  // GigE Vision, bootstrap registers: what a search reports
+  constexpr guint64 kSerialRegister = 0xd8;  // GigE Vision bootstrap register of the serial number
   if (handle.serial.empty()) return;
   std::array<char, 17> serial{};
   Failure failure;

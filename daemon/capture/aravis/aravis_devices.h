@@ -10,15 +10,15 @@
 namespace sslv {
 
 struct AravisHandle {
-  std::string name;      // what Aravis opens the camera by
-  std::string serial{};  // of a GigE camera that a search found
+  std::string name;      // for opening the camera with Aravis
+  std::string serial{};  // only for GigE cameras found by a search
 };
 
-/// How to open the camera that an admin calls by its serial number, IP address or Aravis id; empty:
-/// the first. Throws CaptureError naming those that are there.
+/// Finds the camera that the admin named by serial number, IP address or Aravis id; an empty name means the
+/// first camera. Throws CaptureError that lists the existing cameras.
 AravisHandle resolve_aravis_camera(const std::string& camera);
 
-/// Throws CaptureError when another one has got its address since it was resolved.
+/// Throws CaptureError if another camera has received the camera's address since resolve_aravis_camera().
 void check_aravis_serial(ArvCamera* camera, const AravisHandle& handle);
 
 std::vector<FoundCamera> list_aravis_cameras();

@@ -14,7 +14,7 @@ void unpacked(const std::uint8_t* from, std::size_t pixels, std::uint8_t* to, st
   split_little_endian(from, pixels, kDepthBits, to, low);
 }
 
-// Numbers where the library has no name.
+// Numbers for formats that have no name in the library.
 constexpr std::array kFormats{
     AravisFormat{ARV_PIXEL_FORMAT_YUV_422_PACKED, PixelFormat::kUyvy},
     AravisFormat{ARV_PIXEL_FORMAT_YUV_422_YUYV_PACKED, PixelFormat::kYuyv},

@@ -10,27 +10,28 @@
 
 namespace sslv {
 
-/// How a camera sends pixels (GenICam Pixel Format Naming Convention), and what they are to the pipeline.
+/// A camera's pixel format (GenICam Pixel Format Naming Convention) and the pipeline's format for it.
 struct AravisFormat {
   ArvPixelFormat arv = 0;
   PixelFormat format{};
-  /// Makes the one into the other.
+  /// Converts 8-bit pixels; null if no conversion is needed.
   void (*unpack)(const std::uint8_t* from, std::size_t pixels, std::uint8_t* to) noexcept = nullptr;
-  /// The same of more than 8 bits, whose rest goes to `low`.
+  /// Splits pixels of more than 8 bits: `to` gets the upper 8 bits, `low` the bits below. Null for 8-bit
+  /// formats.
   void (*split)(const std::uint8_t* from, std::size_t pixels, std::uint8_t* to,
                 std::uint8_t* low) noexcept = nullptr;
 
-  /// Else the camera's bytes are read where they are.
+  /// Whether pixels must be converted into another buffer. Otherwise they are used in the camera's buffer.
   bool is_copied() const { return unpack != nullptr || split != nullptr; }
 };
 
-/// Null: none that we read.
+/// Null for unsupported formats.
 const AravisFormat* find_aravis_format(ArvPixelFormat arv);
 
-/// What a camera that sends this format as it is calls it.
+/// The camera's format with the same memory layout, so that no conversion is needed.
 ArvPixelFormat arv_format_of(PixelFormat format);
 
-/// Bytes of a row as the camera sends it, without padding; packed rows of odd length share a byte.
+/// Bytes of a row as sent, without padding; packed rows of odd length share a byte.
 inline std::size_t sent_bytes(const AravisFormat& format, std::size_t pixels) {
   return (pixels * ARV_PIXEL_FORMAT_BIT_PER_PIXEL(format.arv) + 7) / 8;
 }

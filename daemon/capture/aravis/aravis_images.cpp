@@ -23,7 +23,7 @@ std::string_view text_of(ArvBufferStatus status) {
   }
 }
 
-/// Rows without padding follow each other bit by bit.
+/// Without padding, rows follow each other without a gap, even within a byte.
 std::size_t bytes_of(const AravisFormat& format, const SentPicture& sent) {
   const auto width = static_cast<std::size_t>(sent.width), height = static_cast<std::size_t>(sent.height);
   if (sent.padding_bytes == 0) return sent_bytes(format, width * height);
@@ -69,7 +69,7 @@ void AravisBufferReader::read_region(ArvCamera* camera, std::string_view label) 
 
 SentPicture sound_picture(const ClaimedPicture& claimed, const std::uint8_t* begin, std::string& problem) {
   const AravisFormat* format = find_aravis_format(claimed.format);
-  // Of YUV 4:1:1 four pixels have a colour.
+  // In YUV 4:1:1 four pixels share a colour.
   const int group = format != nullptr && format->unpack == yuv411_to_uyvy ? 4 : 1;
   if (format == nullptr || claimed.padding_bytes < 0 || claimed.width % group != 0 ||
       !is_valid_size(format->format, claimed.width, claimed.height)) {
@@ -99,7 +99,8 @@ bool AravisBufferReader::is_within(ArvBuffer* buffer) const {
   return came <= buffer_bytes_;
 }
 
-/// The library does not say how a damaged image lies in its buffer: as the last whole one did.
+/// The library does not report the layout of a damaged image, so this assumes the layout of the last complete
+/// image.
 SentPicture AravisBufferReader::damaged_picture_in(ArvBuffer* buffer) const {
   SentPicture sent = last_whole_;
   std::size_t size = 0;
@@ -115,14 +116,14 @@ SentPicture AravisBufferReader::picture_in(ArvBuffer* buffer, std::string& probl
     problem = text_of(status);
     return lacks_packets && use_incomplete_ ? damaged_picture_in(buffer) : SentPicture{};
   }
-  // A number as the sender's leader has it, which the library's type need not have.
+  // The sender's raw number, which need not be a value of the library's enum.
   const int payload = arv_buffer_get_payload_type(buffer);
   if (payload != ARV_BUFFER_PAYLOAD_TYPE_IMAGE && payload != ARV_BUFFER_PAYLOAD_TYPE_EXTENDED_CHUNK_DATA &&
       payload != ARV_BUFFER_PAYLOAD_TYPE_MULTIPART) {
     problem = fmt::format("it holds no image but payload type {}", payload);
     return {};
   }
-  // Of several parts it is the first.
+  // In a multipart buffer the image is the first part.
   if (arv_buffer_get_n_parts(buffer) == 0 ||
       arv_buffer_get_part_data_type(buffer, 0) != ARV_BUFFER_PART_DATA_TYPE_2D_IMAGE) {
     problem = "its first part is no image";

@@ -15,7 +15,7 @@
 
 namespace sslv {
 
-/// A sound image in the library's buffer.
+/// A valid image in the library's buffer.
 struct SentPicture {
   const AravisFormat* format = nullptr;
   const std::uint8_t* data = nullptr;
@@ -26,37 +26,38 @@ struct SentPicture {
 /// The view of an image that needs no unpacking.
 ImageView view_of(const SentPicture& sent);
 
-/// What a camera, or a stranger in its name, says of an image in a buffer.
+/// An image's properties as claimed by a camera, or by another computer that sends in the camera's name.
 struct ClaimedPicture {
   ArvPixelFormat format = 0;
   int width = 0, height = 0;
   int padding_bytes = 0;                // at the end of each row
-  std::uintptr_t offset = 0;            // of the image in the buffer
-  std::size_t bytes = 0;                // of the image
-  std::size_t came = 0, allocated = 0;  // of the whole buffer: what came in packets, and what there is
+  std::uintptr_t offset = 0;            // start of the image in the buffer
+  std::size_t bytes = 0;                // size of the image
+  std::size_t came = 0, allocated = 0;  // bytes of the buffer: received in packets; allocated
 };
 
-/// The image, its data beginning at `begin` of the buffer, if all of it came and lies in the buffer. Else no
-/// format, with the reason.
+/// Validates the claimed image, whose buffer starts at `begin`: it must be complete and within the buffer. If
+/// it is not, returns no format and sets `problem` to the reason.
 SentPicture sound_picture(const ClaimedPicture& claimed, const std::uint8_t* begin, std::string& problem);
 
 /// Finds the image in a buffer.
 class AravisBufferReader {
  public:
-  /// `use_incomplete`: also images that lack packets.
+  /// `use_incomplete`: also use images with missing packets.
   explicit AravisBufferReader(bool use_incomplete) : use_incomplete_(use_incomplete) {}
 
-  /// Of all that it is given.
+  /// The allocated size of every buffer.
   void set_buffer_bytes(std::size_t bytes) { buffer_bytes_ = bytes; }
-  /// Whether no more came than there is room for, as the library counts.
+  /// Whether the received bytes, as counted by the library, fit into the buffer.
   bool is_within(ArvBuffer* buffer) const;
 
-  /// Asks the camera which part of its sensor is read. One without these features is taken for whole. Throws
-  /// CaptureError, with the camera's label, if it does not answer.
+  /// Reads the region of the sensor that the camera transmits. A camera without features for the region is
+  /// assumed to transmit the whole sensor. Throws CaptureError, with the camera's label, if the camera does
+  /// not answer.
   void read_region(ArvCamera* camera, std::string_view label);
   const WholePicture& whole() const { return whole_; }
 
-  /// No format, with the reason, when the buffer holds no sound image.
+  /// Returns no format, and sets `problem` to the reason, if the buffer holds no valid image.
   SentPicture picture_in(ArvBuffer* buffer, std::string& problem);
 
  private:
@@ -65,25 +66,25 @@ class AravisBufferReader {
   const bool use_incomplete_;
   std::size_t buffer_bytes_ = 0;
   WholePicture whole_;
-  SentPicture last_whole_;                // its data is not used
-  std::ptrdiff_t last_whole_offset_ = 0;  // of the image in its buffer
+  SentPicture last_whole_;                // last complete image; its data pointer is unused
+  std::ptrdiff_t last_whole_offset_ = 0;  // start of that image in its buffer
 };
 
-/// Unpacks images into buffers of ours, so that the camera has its own back at once.
+/// Converts images into our own buffers, so that the camera's buffers are returned at once.
 class AravisUnpacker {
  public:
   explicit AravisUnpacker(int buffers) : buffers_(buffers) {}
 
-  /// False when viewers hold all our buffers.
+  /// False if viewers hold all our buffers.
   bool unpack(const SentPicture& sent, Image& image);
 
-  /// Images that there was no buffer for.
+  /// Images dropped for lack of a buffer.
   std::uint64_t dropped() const { return dropped_; }
 
  private:
   const int buffers_;
   std::optional<BufferPool> pool_;
-  std::size_t pool_bytes_ = 0;  // of each
+  std::size_t pool_bytes_ = 0;  // size of each buffer
   std::uint64_t dropped_ = 0;
 };
 

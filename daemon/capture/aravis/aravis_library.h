@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Aravis, with what C++ needs to use it.
+// Aravis with C++ helpers.
 
 #include "capture/source.h"
 
@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-// The library's headers convert as C does.
+// The library's headers use implicit conversions.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpedantic"
 #pragma GCC diagnostic ignored "-Wconversion"
@@ -34,12 +34,12 @@ class Failure {
   }
   bool failed() const { return error_ != nullptr; }
   std::string_view text() const { return error_ != nullptr ? error_->message : "no reason given"; }
-  /// The camera did not answer in time. Else it has no such feature, or refused.
+  /// The camera did not answer in time. If false, the camera lacks the feature or refused the call.
   bool is_unanswered() const {
     return g_error_matches(error_, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_TIMEOUT) != FALSE ||
            g_error_matches(error_, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_NOT_CONNECTED) != FALSE;
   }
-  /// Throws CaptureError if the camera did not answer: then a default would be a guess.
+  /// Throws CaptureError if the camera did not answer, because any default value would be a guess.
   void require_answer(std::string_view label) const {
     if (is_unanswered()) throw CaptureError(fmt::format("camera \"{}\": does not answer: {}", label, text()));
   }

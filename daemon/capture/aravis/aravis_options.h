@@ -9,7 +9,7 @@
 
 namespace sslv {
 
-/// A camera's settings, beside "backend".
+/// A camera's settings besides "backend".
 struct AravisOptions {
   std::string camera;
   PixelFormatOrAuto pixel_format;

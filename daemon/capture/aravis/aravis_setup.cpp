@@ -14,7 +14,7 @@
 namespace sslv {
 namespace {
 
-/// Sets features of an open camera; every refusal is a CaptureError that names camera, option and value.
+/// Sets features of an open camera; a refusal throws CaptureError naming camera, option and value.
 class Setup {
  public:
   Setup(ArvCamera* camera, std::string label) : camera_(camera), label_(std::move(label)) {}
@@ -48,7 +48,7 @@ class Setup {
 
   void region(const AravisOptions& options) const {
     if (options.width == 0 && options.height == 0) return;
-    // The size that is possible depends on the offset, so that goes first out of the way.
+    // The permitted size depends on the offset, so set the offset to 0 first.
     Failure failure;
     const bool has_offset = arv_camera_is_region_offset_available(camera_, failure);
     failure.require_answer(label_);
@@ -97,7 +97,7 @@ class Setup {
         fmt::format("camera \"{}\": {} cannot be set: the camera has no {}", label_, key, feature));
   }
 
-  /// Those that the camera has and the option can name.
+  /// The camera's pixel formats that the option can select.
   std::string formats() const {
     guint count = 0;
     const std::unique_ptr<gint64, void (*)(void*)> available(
@@ -115,7 +115,7 @@ class Setup {
   std::string label_;
 };
 
-/// Without CAP_NET_RAW images pass through a socket whose buffer the system may keep small.
+/// Without CAP_NET_RAW, images are received through a UDP socket, whose buffer size the system limits.
 void warn_of_small_socket_buffer(const std::string& label, int wanted_bytes) {
   if (may_open_packet_sockets()) return;
   std::ifstream file("/proc/sys/net/core/rmem_max");
@@ -133,7 +133,7 @@ void ask_for_chunks(ArvCamera* camera, std::vector<std::string>& warnings) {
   const bool has_chunks = arv_camera_are_chunks_available(camera, failure);
   if (has_chunks && !failure.failed()) {
     arv_camera_set_chunk_mode(camera, TRUE, failure);
-    // Which of them there are differs: each may fail.
+    // Cameras support different chunks, so each call may fail.
     for (const char* chunk : {"Timestamp", "ExposureTime"}) {
       Failure refusal;
       if (!failure.failed()) arv_camera_set_chunk_state(camera, chunk, TRUE, refusal);

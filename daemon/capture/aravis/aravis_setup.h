@@ -9,8 +9,9 @@
 
 namespace sslv {
 
-/// Sets an open camera up for streaming. `label` is how the admin calls it. Throws CaptureError naming
-/// camera, option and value when it refuses one; what it can do without becomes a warning.
+/// Configures an open camera for streaming. `label` is the admin's name for the camera. Throws CaptureError
+/// naming camera, option and value if the camera refuses a value; the refusal of an optional feature becomes
+/// a warning.
 void set_up_aravis(ArvCamera* camera, const AravisOptions& options, const std::string& label,
                    std::vector<std::string>& warnings);
 

@@ -16,28 +16,30 @@
 namespace sslv {
 namespace {
 
-// Of GVSP. A header is of one of two lengths, by a bit of its fifth byte, which also says what the packet is.
-// It begins with a status, whose highest bit says that the camera cannot send the packet.
+// The GVSP header begins with a status, whose highest bit means that the camera cannot send the packet. The
+// fifth byte holds the packet type and a bit that selects the header's length, standard or extended.
 constexpr std::uint32_t kStatusAt = 0, kErrorBit = 0x8000;
 constexpr std::uint32_t kStandardHeader = 8, kExtendedHeader = 20;
 constexpr std::uint32_t kKindAt = 4, kExtendedBit = 0x80, kKindMask = 0x7f;
 constexpr std::uint32_t kLeader = 1, kTrailer = 2, kPayload = 3, kMultipart = 7;
 constexpr std::uint32_t kStandardIdMask = 0x00ffffff, kExtendedIdAt = 16;
-// Of a leader, behind the header.
+// Fields of a leader packet, counted from the end of the header.
 constexpr std::uint32_t kLeaderBytes = 12, kImageLeaderBytes = 36, kPayloadTypeAt = 2,
                         kPayloadTypeMask = 0x3fff;
 constexpr std::uint32_t kImageType = 1, kExtendedChunkType = 5, kMultipartType = 10;
 constexpr std::uint32_t kPartCountAt = 7, kPartBytes = 48, kPartSizeHighAt = 2, kPartSizeLowAt = 4;
-/// 3D cameras have that many; a camera of which we take the first is not known to have more.
+/// Maximum number of parts in a multipart image: 3D cameras send up to four.
 constexpr std::uint32_t kMaxParts = 4;
-constexpr std::uint32_t kMultipartBytes = 8;  // before each piece of a part
+constexpr std::uint32_t kMultipartBytes = 8;  // header before each block of a part
 constexpr std::size_t kIpAndUdp = 28;
-/// Packets that an image may have beyond those that its bytes need: pieces of parts need not be full.
+/// Packets allowed beyond the number that the image's size requires, because the last block of a part need
+/// not be full.
 constexpr std::uint32_t kSpareIds = 16;
 
 constexpr std::uint32_t kWholePacket = 0x40000;
 
-/// Sequences of instructions; each ends by letting the packet pass or fall, or goes on with what follows.
+/// A sequence of BPF instructions that either passes or drops the packet, or continues with the following
+/// instructions.
 class Rules {
  public:
   void load(unsigned size, std::uint32_t at) { add(BPF_STMT(BPF_LD | size | BPF_ABS, at)); }
@@ -51,7 +53,7 @@ class Rules {
   void require_equal(std::uint32_t number) { require(BPF_JEQ, number, true); }
   void require_at_least(std::uint32_t number) { require(BPF_JGE, number, true); }
   void require_at_most(std::uint32_t number) { require(BPF_JGT, number, false); }
-  /// Of an IP packet all came that its length says.
+  /// Requires that as many bytes were received as the packet's IP header states.
   void require_has_come(std::uint32_t ip, std::uint32_t length_at) {
     load_length();
     subtract(ip);
@@ -63,9 +65,9 @@ class Rules {
   void pass() { add(BPF_STMT(BPF_RET | BPF_K, kWholePacket)); }
   void drop() { add(BPF_STMT(BPF_RET | BPF_K, 0)); }
 
-  /// What was loaded stays for the next when_equal().
+  /// Keeps the loaded value for the next when_equal().
   void when_equal(std::uint32_t number, const Rules& then) {
-    // A jump reaches no further.
+    // The maximum BPF jump distance.
     constexpr std::size_t kFurthest = 255;
     if (then.program_.size() > kFurthest) return drop();
     add(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, number, 0, static_cast<std::uint8_t>(then.program_.size())));
@@ -88,13 +90,13 @@ class Rules {
   GvspFilter program_;
 };
 
-/// Where GVSP begins in what the filter sees, and how its size is told.
+/// Positions in a packet as the filter sees it.
 struct Place {
   std::uint32_t gvsp;
-  std::uint32_t size_at, size_beyond;  // a field that counts so many bytes more
+  std::uint32_t size_at, size_beyond;  // offset of a length field; its excess over GVSP's length
 };
 
-/// Of packets with one of the two headers.
+/// Rules for packets with the standard or the extended header.
 class HeaderRules {
  public:
   HeaderRules(const GvspBounds& bounds, const Place& place, bool is_extended)
@@ -102,20 +104,20 @@ class HeaderRules {
         is_extended_(is_extended),
         header_(is_extended ? kExtendedHeader : kStandardHeader),
         buffer_bytes_(static_cast<std::uint32_t>(std::min<std::size_t>(bounds.buffer_bytes, UINT32_MAX))),
-        most_bytes_(
+        max_bytes_(
             static_cast<std::uint32_t>(bounds.packet_bytes - std::min(bounds.packet_bytes, kIpAndUdp))),
-        block_(most_bytes_ - std::min(most_bytes_, header_)) {}
+        block_(max_bytes_ - std::min(max_bytes_, header_)) {}
 
   Rules all() const {
     Rules rules;
-    // What is behind the header of a packet must be more than of a block of a part.
+    // Packets must have space for image data after a multipart header.
     if (block_ <= kMultipartBytes) {
       rules.drop();
       return rules;
     }
     load_size(rules);
     rules.require_at_least(header_);
-    rules.require_at_most(most_bytes_);
+    rules.require_at_most(max_bytes_);
     rules.load_byte(place_.gvsp + kKindAt);
     rules.mask(kKindMask);
     rules.when_equal(kLeader, leader());
@@ -141,11 +143,12 @@ class HeaderRules {
     rules.load_word(place_.gvsp + (is_extended_ ? kExtendedIdAt : kKindAt));
     if (!is_extended_) rules.mask(kStandardIdMask);
   }
-  /// Packets that a buffer takes.
+  /// Number of packets that fill a buffer.
   std::uint32_t ids_for(std::uint32_t block) const { return (buffer_bytes_ - 1) / block + 1; }
 
-  /// `bytes`: what stands behind the header at least. None where the camera cannot send the packet: the
-  /// library then reads the header alone, and no longer asks for missing packets of this image.
+  /// Requires an id in [least, most] and at least `bytes` after the header. A packet with the error status
+  /// needs no data, because the library reads only its header and then stops requesting missing packets of
+  /// this image.
   Rules with_id(std::uint32_t least, std::uint32_t most, std::uint32_t bytes) const {
     Rules rules, sent;
     require_behind_header(sent, bytes);
@@ -172,11 +175,12 @@ class HeaderRules {
     rules.when_equal(kImageType, image);
     rules.when_equal(kExtendedChunkType, image);
     rules.when_equal(kMultipartType, multipart_leader());
-    rules.pass();  // the library says itself that it does not know the others
+    rules.pass();  // the library itself rejects the other types
     return rules;
   }
 
-  /// The number of parts stands where the standard header has its id, which is 0 here.
+  /// Only a leader with the extended header can be multipart: the number of parts is stored in bytes that the
+  /// standard header uses for the packet id, which is 0 in a leader.
   Rules multipart_leader() const {
     Rules rules;
     if (!is_extended_) {
@@ -205,8 +209,8 @@ class HeaderRules {
   const bool is_extended_;
   const std::uint32_t header_;
   const std::uint32_t buffer_bytes_;
-  const std::uint32_t most_bytes_;  // of GVSP in a packet
-  const std::uint32_t block_;       // of an image in a packet
+  const std::uint32_t max_bytes_;  // GVSP bytes per packet
+  const std::uint32_t block_;      // image bytes per packet
 };
 
 void add_gvsp(Rules& rules, const GvspBounds& bounds, const Place& place) {
@@ -214,7 +218,7 @@ void add_gvsp(Rules& rules, const GvspBounds& bounds, const Place& place) {
   rules.load_half(place.size_at);
   rules.subtract(place.size_beyond);
   rules.require_at_least(kStandardHeader);
-  rules.require_at_most(UINT16_MAX);  // or the field said less than stands before GVSP
+  rules.require_at_most(UINT16_MAX);  // larger after an underflow: the field was smaller than size_beyond
   rules.load_byte(place.gvsp + kKindAt);
   rules.mask(kExtendedBit);
   rules.when_equal(0, HeaderRules(bounds, place, false).all());
@@ -242,10 +246,11 @@ bool is_udp_socket_at(int socket, std::uint16_t port) {
          ntohs(name.sin_port) == port;
 }
 
-/// Of the library's own filter, which asks for camera and port; or of ours.
+/// Recognises the socket by its filter: both the library's filter and ours compare with the camera's address
+/// and the port.
 bool is_packet_socket_for(int socket, const GvspBounds& bounds) {
   if (option_of(socket, SO_DOMAIN) != AF_PACKET) return false;
-  socklen_t count = 0;  // of instructions
+  socklen_t count = 0;  // number of instructions
   if (::getsockopt(socket, SOL_SOCKET, SO_GET_FILTER, nullptr, &count) != 0 || count == 0) return false;
   GvspFilter filter(count);
   if (::getsockopt(socket, SOL_SOCKET, SO_GET_FILTER, filter.data(), &count) != 0) return false;

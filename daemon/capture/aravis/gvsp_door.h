@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Validates a GigE camera's packets before the library sees them. Aravis 0.8 believes their numbers: it
-// allocates memory for as many packets as one says there are, and copies bytes beyond the end of a buffer. So
-// the kernel gets a filter for the stream's socket that passes only packets of GigE Vision's streaming
-// protocol (GVSP) whose numbers fit into the buffers.
+// Validates a GigE camera's packets before the library sees them. Aravis 0.8 trusts the numbers in packets:
+// it allocates memory for any number of packets that a packet announces, and copies bytes beyond the end of a
+// buffer. So this attaches a kernel filter (BPF) to the stream's sockets that passes only packets of GigE
+// Vision's streaming protocol (GVSP) whose numbers fit the buffers.
 
 #include <cstddef>
 #include <cstdint>
@@ -14,33 +14,33 @@
 
 namespace sslv {
 
-/// Of a camera's stream.
+/// Bounds of a camera's stream.
 struct GvspBounds {
-  std::uint32_t camera = 0, own = 0;  // IPv4 addresses, as numbers: 127.0.0.1 is 0x7f000001
-  std::uint16_t port = 0;             // UDP, of ours
-  std::size_t buffer_bytes = 0;       // of each image
-  std::size_t packet_bytes = 0;       // of IP, as the camera is told
+  std::uint32_t camera = 0, own = 0;  // IPv4 addresses in host byte order: 127.0.0.1 is 0x7f000001
+  std::uint16_t port = 0;             // our UDP port
+  std::size_t buffer_bytes = 0;       // size of the buffer of an image
+  std::size_t packet_bytes = 0;       // maximum size of an IP packet, as configured in the camera
 };
 
-/// Of a packet, the most that headers take: of IP and UDP, extended, and before a piece of a part. The door
-/// is shut to kinds of packets that have no more.
+/// Maximum bytes of headers in a packet: IP and UDP, extended GVSP header, and multipart header. The filter
+/// drops all packets of a header type that leaves no space for data.
 inline constexpr std::size_t kGvspHeaderBytes = 28 + 20 + 8;
 
 using GvspFilter = std::vector<sock_filter>;
 
-/// For a UDP socket: packets from the camera's address that fit.
+/// For a UDP socket: passes packets from the camera's address that are within `bounds`.
 GvspFilter gvsp_udp_filter(const GvspBounds& bounds);
 
-/// For a packet socket (AF_PACKET, SOCK_RAW), which sees everything: also only packets to our address and
-/// port, without IP options or fragments.
+/// For a packet socket (AF_PACKET, SOCK_RAW), which receives all packets of the computer: also requires our
+/// address and port, and rejects packets with IP options and fragments.
 GvspFilter gvsp_packet_filter(const GvspBounds& bounds);
 
-/// Whether this process has the right to (CAP_NET_RAW): then the library receives by such a socket and also
-/// keeps its UDP socket.
+/// Whether this process may open packet sockets (CAP_NET_RAW). If so, the library receives through a packet
+/// socket, and still has its UDP socket open.
 bool may_open_packet_sockets();
 
-/// Attaches the filters to the sockets of this process that receive the stream, found by its port. Returns
-/// how many there are; 0: none was found. May be called again.
+/// Attaches the filters to the sockets of this process that receive the stream, which are found by the
+/// stream's port. Returns the number of guarded sockets; 0: none found. May be called repeatedly.
 int guard_gvsp_sockets(const GvspBounds& bounds);
 
 }  // namespace sslv

@@ -28,12 +28,13 @@ namespace {
 using namespace iidc;
 using Clock = std::chrono::steady_clock;
 
-/// Cameras differ in how soon after the exposure they begin to send, by about this much.
+/// Assumed standard deviation of the delay between the end of the exposure and the start of sending, which
+/// differs between cameras.
 constexpr double kReadoutSpreadSeconds = 500e-6;
 constexpr double kLongestGapSeconds = 60;
 
-/// A bus reset makes all cameras on it disappear for a moment: once for each camera and program, so that
-/// cameras do not throw each other off for ever.
+/// Resets the bus, at most once per camera and process. A reset makes all cameras on the bus disappear for a
+/// moment, so repeated resets by several cameras would never end.
 void reset_bus_once(const Handle& handle, const std::string& label) {
   static std::mutex mutex;
   static std::vector<std::uint64_t> done;
@@ -76,8 +77,8 @@ class Dc1394Source final : public Source {
   }
 
   ~Dc1394Source() override {
-    const std::lock_guard lock(link_->mutex);  // a control under way comes to its end
-    // A dead camera would only make us wait for its answers.
+    const std::lock_guard lock(link_->mutex);  // waits for a running call of a control
+    // Skipped for a dead camera: waiting for its answer would only delay the closing.
     if (!lost_) dc1394_video_set_transmission(link_->camera, DC1394_OFF);
     link_->camera = nullptr;
     ring_->close();
@@ -170,8 +171,8 @@ class Dc1394Source final : public Source {
       times.t_capture_s = unix_time_s();
       return times;
     }
-    // The kernel's own FireWire driver stamps an image's first packet, others its arrival as a whole.
-    // Sending begins at the end of the exposure.
+    // The kernel's FireWire driver stamps an image's first packet, other drivers the arrival of the whole
+    // image. Sending begins at the end of the exposure.
     double t_s = static_cast<double>(frame.timestamp) * 1e-6;
     if (!stamped_at_start_) t_s -= frame.packets_per_frame * kCycleSeconds;
     const double exposure_s = link_->exposure_s.load(std::memory_order_relaxed);
@@ -180,28 +181,29 @@ class Dc1394Source final : public Source {
     return times;
   }
 
-  /// The library counts no losses. There are some when the card had no buffer for the image that followed
-  /// the last one.
+  /// Counts lost images, which the library does not. Images were lost if this image's buffer was queued only
+  /// after the image following the last one was due.
   void count_dropped(const dc1394video_frame_t& frame, double queued_at_s) {
     if (frame.timestamp == 0 || video_.interval_s <= 0) return;
     const double t_s = static_cast<double>(frame.timestamp) * 1e-6;
     const double last_s = std::exchange(last_timestamp_s_, t_s);
     if (last_s == 0 || queued_at_s < last_s + video_.interval_s) return;
-    // A camera that is silent for long is lost: the host's clock, which the stamps follow, was set forward.
+    // A camera counts as lost before it has been silent for this long. So such a gap means that the host's
+    // clock, from which the time stamps are taken, was set forward.
     if (t_s - last_s > kLongestGapSeconds) return;
     const double missed = std::round((t_s - last_s) / video_.interval_s) - 1;
     if (missed > 0) dropped_ += static_cast<std::uint64_t>(missed);
   }
 
   const double silence_s_;
-  std::string label_;  // the GUID
+  std::string label_;  // the camera's GUID
   Video video_;
   bool stamped_at_start_ = false;
   const std::shared_ptr<Link> link_ = std::make_shared<Link>();
   std::shared_ptr<Controls> controls_;
   std::vector<std::string> warnings_;
   std::shared_ptr<Ring> ring_;
-  std::optional<BufferPool> pool_;  // of images that are converted
+  std::optional<BufferPool> pool_;  // only for images that need conversion
   bool lost_ = false;
   Clock::time_point last_frame_;
 
@@ -239,7 +241,7 @@ std::vector<FoundCamera> list_cameras() {
       try {
         found.formats = formats_of(camera.get(), serial);
       } catch (const CaptureError& error) {
-        log::debug("{}", error.what());  // unplugged meanwhile
+        log::debug("{}", error.what());  // the camera was unplugged meanwhile
       }
     }
     out.push_back(std::move(found));

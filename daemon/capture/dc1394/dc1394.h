@@ -5,7 +5,7 @@
 
 namespace sslv {
 
-/// IIDC cameras on IEEE 1394 (FireWire), and those on USB that libdc1394 knows.
+/// IIDC cameras on IEEE 1394 (FireWire), and USB cameras that libdc1394 supports.
 Backend dc1394_backend();
 
 }  // namespace sslv

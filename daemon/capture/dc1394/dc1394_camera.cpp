@@ -13,7 +13,7 @@
 namespace sslv::iidc {
 namespace {
 
-/// The library's own words are for who looks closer: what matters comes as an error of a call.
+/// Logs the library's messages at debug level only: failed calls report what matters.
 void log_detail(dc1394log_t, const char* message, void*) {
   std::string_view text(message);
   while (!text.empty() && text.back() == '\n') text.remove_suffix(1);

@@ -21,27 +21,28 @@ struct FreeCamera {
 };
 using Context = std::unique_ptr<dc1394_t, FreeContext>;
 
-/// An open camera. Nothing is sent and no memory for images is held yet.
+/// An open camera that does not send and has no memory for images yet.
 struct Handle {
   Context context;
-  std::unique_ptr<dc1394camera_t, FreeCamera> camera;  // goes before its context
+  std::unique_ptr<dc1394camera_t, FreeCamera> camera;  // destroyed before its context
 };
 
-/// 16 hexadecimal digits.
+/// The GUID as 16 hexadecimal digits.
 std::string text_of(std::uint64_t guid);
-/// Of up to 16 hexadecimal digits, "0x" before them or not.
+/// Parses up to 16 hexadecimal digits, with or without "0x".
 std::optional<std::uint64_t> guid_of(std::string_view text);
 
-/// GUIDs of the cameras there are, in the library's order; with `context` empty: none. Needs no root, but
-/// finds only what the user may open. A few milliseconds.
+/// GUIDs of the existing cameras, in the library's order; empty if `context` is null. Needs no root, but
+/// finds only cameras that the user may open. Takes a few milliseconds.
 std::vector<std::uint64_t> find_cameras(const Context& context);
-/// The library's messages go to our log from here on.
+/// Creates a context; redirects the library's messages to our log.
 Context new_context();
 
-/// The camera with this GUID, or the first. Throws CaptureError that says which there are.
+/// Opens the camera with this GUID, or the first camera if the text is empty. Throws CaptureError that lists
+/// the existing cameras.
 Handle open_camera(const std::string& guid);
 
-/// Throws CaptureError `camera "LABEL": WHAT: REASON` for a call that failed.
+/// Throws CaptureError `camera "LABEL": WHAT: REASON` if a call failed.
 void check(dc1394error_t error, std::string_view label, std::string_view what);
 
 template <class T>
@@ -84,7 +85,7 @@ inline constexpr std::array kModes{
     Named<dc1394video_mode_t>{"format7_7", DC1394_VIDEO_MODE_FORMAT7_7},
 };
 
-/// Those that we take, the best first.
+/// The supported codings, best first.
 inline constexpr std::array kCodings{
     Named<dc1394color_coding_t>{"yuv422", DC1394_COLOR_CODING_YUV422},
     Named<dc1394color_coding_t>{"raw8", DC1394_COLOR_CODING_RAW8},
@@ -103,7 +104,7 @@ inline constexpr std::array kBayerOrders{
     Named<dc1394color_filter_t>{"bggr", DC1394_COLOR_FILTER_BGGR},
 };
 
-/// By the S-number of the bus, in Mbit/s.
+/// Bus speeds in Mbit/s, named like the bus's S-numbers (S400: "400").
 inline constexpr std::array kSpeeds{
     Named<dc1394speed_t>{"100", DC1394_ISO_SPEED_100},   Named<dc1394speed_t>{"200", DC1394_ISO_SPEED_200},
     Named<dc1394speed_t>{"400", DC1394_ISO_SPEED_400},   Named<dc1394speed_t>{"800", DC1394_ISO_SPEED_800},
@@ -122,9 +123,9 @@ constexpr bool is_format7(dc1394video_mode_t mode) {
   return mode >= DC1394_VIDEO_MODE_FORMAT7_MIN;
 }
 
-/// Modes with a coding that we take. Throws CaptureError.
+/// Modes with a supported coding. Throws CaptureError.
 std::vector<dc1394video_mode_t> modes_of(dc1394camera_t* camera, std::string_view label);
-/// Codings of a mode that we take, the best first. Throws CaptureError.
+/// Supported codings of a mode, best first. Throws CaptureError.
 std::vector<dc1394color_coding_t> codings_of(dc1394camera_t* camera, dc1394video_mode_t mode,
                                              std::string_view label);
 

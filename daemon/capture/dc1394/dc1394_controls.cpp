@@ -16,7 +16,7 @@ namespace {
 struct FeatureRow {
   dc1394feature_t id;
   std::string_view name, title, category;
-  std::string_view unit;  // of its absolute value (IIDC 1.31, table 4.11)
+  std::string_view unit;  // unit of the absolute value (IIDC 1.31, table 4.11)
   ControlLevel level;
   std::string_view help;
 };
@@ -130,7 +130,7 @@ class IidcControls final : public Controls {
                                       control.help.empty() ? "it cannot be set now" : control.help));
     }
     if (control.name.starts_with(kLoad) || control.name.starts_with(kSave)) return use_memory(control);
-    // The longest name that fits: "trigger" begins "trigger_delay" too.
+    // Find the longest matching name: "trigger_delay" also begins with "trigger".
     const FeatureRow* row = nullptr;
     for (const FeatureRow& one : kFeatures) {
       if (control.name.starts_with(one.name) && (row == nullptr || one.name.size() > row->name.size()))
@@ -235,7 +235,7 @@ class IidcControls final : public Controls {
       }
     }
     if (info.polarity_capable == DC1394_TRUE) {
-      dc1394trigger_polarity_t polarity{};  // what dc1394_feature_get() says of it is another numbering
+      dc1394trigger_polarity_t polarity{};  // dc1394_feature_get() numbers polarities differently
       must(dc1394_external_trigger_get_polarity(camera(), &polarity), row.name);
       Control& control = add(out, row, "_polarity", ControlKind::kChoice);
       control.value = name_in(kPolarities, polarity);
@@ -277,7 +277,7 @@ class IidcControls final : public Controls {
     return out.emplace_back(std::move(control));
   }
 
-  /// A value that the camera sets by itself, or does not use, cannot be set.
+  /// Locks a value that the camera sets automatically or does not use.
   static void lock_if_automatic(Control& control, const FeatureRow& row, const dc1394feature_info_t& info) {
     const bool off = info.on_off_capable == DC1394_TRUE && info.is_on != DC1394_ON;
     const bool automatic = info.modes.num > 0 && info.current_mode == DC1394_FEATURE_MODE_AUTO;
@@ -291,7 +291,7 @@ class IidcControls final : public Controls {
   dc1394error_t set_feature(dc1394feature_t id, std::string_view part, const Json& value) const {
     if (part == "_on") return dc1394_feature_set_power(camera(), id, switch_of(value));
     if (part == "_mode") return dc1394_feature_set_mode(camera(), id, value_in(kFeatureModes, value));
-    // Of the two ways to give a value the camera heeds the one that this switch names.
+    // A register selects whether the camera uses the absolute or the raw value.
     const bool absolute = part == "_absolute";
     dc1394bool_t has_absolute = DC1394_FALSE;
     dc1394error_t error = dc1394_feature_has_absolute_control(camera(), id, &has_absolute);
@@ -327,7 +327,7 @@ class IidcControls final : public Controls {
     return dc1394_software_trigger_set_power(camera(), DC1394_ON);
   }
 
-  /// Loading can change the mode too, behind the back of the capture.
+  /// Loading a memory channel may also change the video mode, which the source does not notice.
   void use_memory(const Control& control) const {
     const bool load = control.name.starts_with(kLoad);
     const auto channel = static_cast<std::uint32_t>(std::stoul(control.name.substr(kLoad.size())));
@@ -354,7 +354,7 @@ std::optional<double> exposure_s_of(dc1394camera_t* camera) {
       shutter.current_mode == DC1394_FEATURE_MODE_AUTO || !(shutter.abs_value > 0)) {
     return std::nullopt;
   }
-  // Other trigger modes than 0 expose for another time.
+  // In trigger modes other than 0, the exposure time is not the shutter's.
   if (dc1394_feature_get(camera, &trigger) == DC1394_SUCCESS && trigger.available == DC1394_TRUE &&
       trigger.is_on == DC1394_ON && trigger.trigger_mode != DC1394_TRIGGER_MODE_0) {
     return std::nullopt;

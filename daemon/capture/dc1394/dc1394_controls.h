@@ -12,21 +12,22 @@
 
 namespace sslv::iidc {
 
-/// What an open camera's source and its controls share.
+/// State shared by an open camera's source and its controls.
 struct Link {
-  std::mutex mutex;                   // one reads or writes registers at a time
-  dc1394camera_t* camera = nullptr;   // guarded; null once the source is closed
-  std::string label;                  // as the admin calls it; constant
-  std::atomic<double> exposure_s{0};  // that all images have; 0: not known
+  std::mutex mutex;                   // serialises access to registers
+  dc1394camera_t* camera = nullptr;   // guarded by mutex; null once the source is closed
+  std::string label;                  // the admin's name; constant
+  std::atomic<double> exposure_s{0};  // exposure of all images; 0: unknown
 };
 
-/// Every feature of IIDC that the camera has: "shutter" (its value), "shutter_absolute" (in seconds),
+/// Controls for every IIDC feature of the camera: "shutter" (its raw value), "shutter_absolute" (in seconds),
 /// "shutter_mode", "shutter_on", and so on.
 std::shared_ptr<Controls> make_controls(std::shared_ptr<Link> link);
 
-/// The exposure that all images have: a manual shutter whose time the camera tells. A bus transaction.
+/// The exposure time of all images in seconds. Empty unless the shutter is manual and the camera reports its
+/// time. Makes bus transactions.
 std::optional<double> exposure_s_of(dc1394camera_t* camera);
-/// Whether the camera takes images only when it is told to.
+/// Whether the camera takes images only when triggered.
 bool waits_for_trigger(dc1394camera_t* camera);
 
 }  // namespace sslv::iidc

@@ -12,7 +12,7 @@
 
 namespace sslv::iidc {
 
-/// A table of names as choices, with "auto" for nothing before them.
+/// The choices of an option: "auto", which means nullopt, and the names of the table.
 template <class T, std::size_t N>
 constexpr auto auto_or(const std::array<Named<T>, N>& table) {
   std::array<Choice<std::optional<T>>, N + 1> choices{};

@@ -14,8 +14,8 @@
 namespace sslv::iidc {
 namespace {
 
-/// Cameras of ours that are closed but for an image that somebody still holds: their share of the bus is
-/// still reserved, although they send nothing.
+/// Cameras that this process has closed while one of their images is still held. Their bus bandwidth is still
+/// reserved, although they send nothing.
 class Lingering {
  public:
   void add(std::uint64_t guid) {
@@ -42,7 +42,7 @@ Lingering& lingering() {
 }
 
 bool is_out_of_bandwidth(dc1394error_t error) {
-  // The library tells the lack of bandwidth as that of a channel, since the kernel then grants neither.
+  // The library reports missing bandwidth as a missing channel, because the kernel then grants neither.
   return error == DC1394_NO_BANDWIDTH || error == DC1394_NO_ISO_CHANNEL;
 }
 
@@ -57,7 +57,7 @@ Ring::Ring(Handle handle, std::uint32_t frames, const std::string& label)
 void Ring::set_up(std::uint32_t frames, const std::string& label) {
   dc1394camera_t* const camera = handle_.camera.get();
   dc1394error_t error = dc1394_capture_setup(camera, frames, DC1394_CAPTURE_FLAGS_DEFAULT);
-  // What this very camera has reserved before it may use again.
+  // The camera may reuse the bandwidth that is still reserved for it.
   if (is_out_of_bandwidth(error) && lingering().has(camera->guid))
     error = dc1394_capture_setup(camera, frames, DC1394_CAPTURE_FLAGS_CHANNEL_ALLOC);
   if (is_out_of_bandwidth(error)) {
@@ -73,7 +73,7 @@ void Ring::set_up(std::uint32_t frames, const std::string& label) {
 Ring::~Ring() {
   dc1394camera_t* const camera = handle_.camera.get();
   if (dc1394_capture_stop(camera) == DC1394_IOCTL_FAILURE) {
-    // The library gives up when the camera is gone, and with it the images' memory and file.
+    // If the camera is gone, the library gives up and leaks the images' memory and file.
     ::close(fd_);
     if (memory_ != nullptr) ::munmap(memory_, memory_bytes_);
   }
@@ -111,7 +111,7 @@ Image Ring::lend(dc1394video_frame_t* frame, const ImageView& view) noexcept {
 }
 
 void Ring::give_back(void* ring, void* slot) noexcept {
-  // Held to the end: the ring may go with it.
+  // May be the last reference to the ring: keeps the ring alive until the end of this function.
   const std::shared_ptr<Ring> keeps = std::move(static_cast<Slot*>(slot)->keeps);
   static_cast<Ring*>(ring)->put_back(*static_cast<Slot*>(slot));
 }

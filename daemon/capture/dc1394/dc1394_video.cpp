@@ -28,12 +28,13 @@ PixelFormat bayer_format(dc1394color_filter_t order) {
   return PixelFormat::kBayerBg8;
 }
 
-/// The most that a packet may have (IEEE 1394-1995 and 1394b: 1024 bytes at S100, doubling with the speed).
+/// Maximum packet size (IEEE 1394-1995 and 1394b: 1024 bytes at S100, doubling with the speed).
 std::uint32_t largest_packet_bytes(dc1394speed_t speed) {
   return 1024u << static_cast<unsigned>(speed);
 }
 
-/// Packets of the fixed modes: IIDC 1.31 spreads an image over 240 of the 267 cycles of 1/30 s.
+/// Packet size in the modes of fixed size: IIDC 1.31 distributes an image at 30 Hz over 240 of the 267 bus
+/// cycles.
 double packet_bytes(std::uint32_t picture_bytes, double rate_hz) {
   return picture_bytes * rate_hz / 7200;
 }
@@ -44,7 +45,7 @@ class Setup {
       : camera_(camera), options_(options), label_(label) {}
 
   Video run() {
-    // A program that crashed leaves its camera sending.
+    // The camera may still be sending for a program that crashed.
     must(dc1394_video_set_transmission(camera_, DC1394_OFF), "does not stop sending");
     set_speed();
     choose_mode();
@@ -102,13 +103,13 @@ class Setup {
       coding_ = *coding;
       return;
     }
-    std::tuple<bool, long, long> best;  // Format7, image's size, rank of the coding
+    std::tuple<bool, long, long> best;  // Format7 or not; mode number or image size; rank of the coding
     bool found = false;
     for (const dc1394video_mode_t mode : modes) {
       const auto coding = choose_coding(mode);
       if (!coding) continue;
       const bool format7 = is_format7(mode);
-      // Of several Format7 modes the first shows the whole sensor; the others bin or skip pixels.
+      // The first Format7 mode shows the whole sensor; the other Format7 modes bin or skip pixels.
       const std::tuple<bool, long, long> merit{format7, format7 ? -long{mode} : area(mode), -rank(*coding)};
       if (found && merit <= best) continue;
       found = true;
@@ -141,7 +142,7 @@ class Setup {
     must(dc1394_get_image_size_from_video_mode(camera_, mode, &width, &height), "its modes cannot be read");
     return long{width} * long{height};
   }
-  /// Of raw images. Cameras before IIDC 1.31 do not say.
+  /// The Bayer order of raw images. Cameras before IIDC 1.31 do not report it.
   std::optional<dc1394color_filter_t> bayer_order(dc1394video_mode_t mode) const {
     if (options_.bayer_order) return options_.bayer_order;
     dc1394color_filter_t order{};
@@ -210,10 +211,10 @@ class Setup {
     std::uint32_t most = 0, unit = 0, offset_unit = 0;
   };
 
-  /// The size that this side gets; throws when it or the offset does not suit the mode.
+  /// The size of this side. Throws if the size or the offset does not suit the mode.
   int checked(const Side& side) const {
     const int most = static_cast<int>(side.most), unit = std::max(1, static_cast<int>(side.unit));
-    // A camera that gives no unit of the position means that of the size.
+    // A camera without a position unit uses the size unit.
     const int offset_unit = side.offset_unit > 0 ? static_cast<int>(side.offset_unit) : unit;
     const int size = side.size > 0 ? side.size : (most - side.offset) / unit * unit;
     if (size % unit != 0 || size < unit || size > most) {
@@ -231,7 +232,7 @@ class Setup {
   }
 
   Video set_format7() {
-    // What sizes there are can depend on the pixel format.
+    // The permitted sizes may depend on the pixel format.
     must(dc1394_format7_set_color_coding(camera_, mode_, coding_), "pixel_format",
          name_in(kCodings, coding_));
     Side x{"width", "offset_x", options_.width, options_.offset_x};
@@ -271,7 +272,7 @@ class Setup {
     must(dc1394_format7_get_packet_parameters(camera_, mode_, &unit, &most), "packet sizes cannot be read");
     must(dc1394_format7_get_packet_size(camera_, mode_, &now), "packet sizes cannot be read");
     if (unit == 0) unit = most;
-    if (unit == 0) return;  // the camera has just one
+    if (unit == 0) return;  // the camera supports only one size
     most = std::min(most, largest_packet_bytes(speed_)) / unit * unit;
     const auto wanted = options_.packet_size_bytes > 0
                             ? static_cast<std::uint32_t>(options_.packet_size_bytes)
@@ -309,7 +310,7 @@ class Setup {
          wanted);
   }
 
-  // ---- what comes of it
+  // ---- the resulting stream
 
   void finish(Video& video) const {
     video.coding = coding_;

@@ -8,24 +8,24 @@
 
 namespace sslv::iidc {
 
-/// Of the bus: one packet of an image is sent in each.
+/// Duration of a bus cycle, which carries one packet of an image.
 inline constexpr double kCycleSeconds = 125e-6;
 
-/// How images will come.
+/// The configured video stream.
 struct Video {
   dc1394color_coding_t coding = DC1394_COLOR_CODING_YUV422;
-  ImageView layout;       // as the pipeline gets them; no data
-  double interval_s = 0;  // from one to the next, as far as the camera says; 0: not known
+  ImageView layout;       // layout of the images delivered to the pipeline; without data
+  double interval_s = 0;  // time between images; 0: unknown
   std::string summary;    // "640x480_yuv422 at 30 Hz, iso_speed 400"
 };
 
-/// Sets mode, part of the sensor, rate and speed; stops what was still being sent. Throws CaptureError that
-/// names camera, option, value and what is allowed.
+/// Sets mode, region, rate and speed; stops a transmission that is still running. Throws CaptureError naming
+/// camera, option, value and the allowed values.
 Video set_up_video(dc1394camera_t* camera, const Options& options, const std::string& label);
 
-/// Whether images of this coding must be converted for the pipeline.
+/// Whether images of this coding need conversion for the pipeline.
 bool needs_unpacking(dc1394color_coding_t coding);
-/// Converts one of those; `to` has room for the layout.
+/// Converts an image of such a coding; `to` has space for the layout.
 void unpack(const dc1394video_frame_t& frame, const ImageView& layout, std::uint8_t* to) noexcept;
 
 }  // namespace sslv::iidc

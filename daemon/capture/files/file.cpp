@@ -34,7 +34,7 @@ namespace fs = std::filesystem;
 
 constexpr double kStillRateHz = 30;
 
-struct Options {
+struct FileOptions {
   std::string path;
   PixelFormatOrAuto pixel_format;
   int width = 0, height = 0;
@@ -43,7 +43,7 @@ struct Options {
   bool loop = false;
   Json controls = Json::object();
   static constexpr auto fields() {
-    using O = Options;
+    using O = FileOptions;
     return std::tuple{
         file("path", &O::path,
              "a folder of images (.png .jpg .jpeg .bmp .ppm) and raw frames (.raw), read in the order of "
@@ -76,10 +76,10 @@ enum class Kind { kPicture, kRaw, kVideo, kClip };
 struct Item {
   Kind kind;
   std::string path;
-  std::string name;  // stem
+  std::string name;  // file name without its extension
 };
 
-/// What is neither image, raw frame nor clip is tried as a video.
+/// Files of unknown kind are tried as videos.
 Kind kind_of(const fs::path& path) {
   switch (recording_kind(path)) {
     case RecordingKind::kImage: return Kind::kPicture;
@@ -122,9 +122,10 @@ std::vector<Item> find_items(const std::string& path) {
   return items;
 }
 
-/// Adds the pixel format and size that the frames.json beside raw frames tells, once for all or for each, as
-/// `clip export` and `simulate --raw` write it; only where the settings say nothing. Throws CaptureError.
-Options with_told_layout(Options options, const std::vector<Item>& items) {
+/// If the settings lack pixel format and size, adds them from the frames.json beside raw frames, which gives
+/// them once for all frames or per frame, as written by `clip export` and `simulate --raw`. Throws
+/// CaptureError.
+FileOptions with_told_layout(FileOptions options, const std::vector<Item>& items) {
   const auto raw = std::ranges::find(items, Kind::kRaw, &Item::kind);
   if (raw == items.end() || options.pixel_format || options.width != 0 || options.height != 0) return options;
   const fs::path file = fs::path(raw->path).parent_path() / "frames.json";
@@ -170,7 +171,7 @@ Options with_told_layout(Options options, const std::vector<Item>& items) {
       file.string()));
 }
 
-/// An open file for reading.
+/// A file opened for reading.
 class Descriptor {
  public:
   explicit Descriptor(const char* path) : fd_(::open(path, O_RDONLY | O_CLOEXEC)) {}
@@ -185,10 +186,10 @@ class Descriptor {
   int fd_;
 };
 
-/// Images and raw frames, a file each.
+/// Images and raw frames, one per file.
 class StillRecording final : public Recording {
  public:
-  StillRecording(const Options& options, std::vector<Item> items)
+  StillRecording(const FileOptions& options, std::vector<Item> items)
       : options_(with_told_layout(options, items)), items_(std::move(items)) {
     const bool raw =
         std::any_of(items_.begin(), items_.end(), [](const Item& i) { return i.kind == Kind::kRaw; });
@@ -236,7 +237,7 @@ class StillRecording final : public Recording {
       throw std::system_error(errno, std::generic_category());
     const PixelFormat format = *options_.pixel_format;
     const std::int64_t expected = std::int64_t{options_.width} * options_.height * bytes_per_pixel(format);
-    // Low bits lie behind the image.
+    // Low bits are stored after the image.
     const bool is_deep = bytes_per_pixel(format) == 1 && status.st_size == 2 * expected;
     if (status.st_size != expected && !is_deep) {
       throw std::runtime_error(fmt::format("{} bytes; expected {} ({}x{} {})", status.st_size, expected,
@@ -253,7 +254,7 @@ class StillRecording final : public Recording {
     return image;
   }
 
-  const Options options_;
+  const FileOptions options_;
   const std::vector<Item> items_;
   PicturePool pool_;
 };
@@ -269,7 +270,7 @@ class VideoRecording final : public Recording {
                      Clock::time_point until) override {
     if (place != place_ || is_lost_) {
       is_lost_ = true;
-      if (place == 0) {  // without reading through all of it
+      if (place == 0) {  // reopening is faster than seeking, which reads the whole file
         media_ = std::make_unique<MediaReader>(item_.path, false);
       } else if (!media_->seek(place, until)) {
         return CaptureStatus::kTimeout;
@@ -297,18 +298,18 @@ class VideoRecording final : public Recording {
   double frame_rate_hz() const override { return media_->frame_rate_hz(); }
 
  private:
-  static constexpr std::int64_t kEndless = std::int64_t{1} << 40;  // images of a video that does not say
+  static constexpr std::int64_t kEndless = std::int64_t{1} << 40;  // for videos of unknown length
 
   const Item item_;
   PicturePool pool_;
   std::unique_ptr<MediaReader> media_;
-  std::int64_t place_ = 0;  // of the image it gives next
-  bool is_lost_ = false;    // it is not there: the search for another one was not done
+  std::int64_t place_ = 0;  // number of the next image
+  bool is_lost_ = false;    // the position is invalid: a seek was not completed
   std::int64_t count_ = kEndless;
 };
 
 /// Throws CaptureError.
-std::unique_ptr<Recording> open_recording(const Options& options) {
+std::unique_ptr<Recording> open_recording(const FileOptions& options) {
   std::vector<Item> items = find_items(options.path);
   const Kind kind = items.front().kind;
   if (options.camera_id && kind != Kind::kClip)
@@ -328,7 +329,7 @@ std::unique_ptr<Recording> open_recording(const Options& options) {
 
 class FileSource final : public Source {
  public:
-  explicit FileSource(const Options& options) : options_(options), recording_(open_recording(options)) {
+  explicit FileSource(const FileOptions& options) : options_(options), recording_(open_recording(options)) {
     std::vector<double> distances_s = recording_->distances_s();
     if (options_.frame_rate_hz || distances_s.empty()) {
       const double own_hz = recording_->frame_rate_hz();
@@ -344,7 +345,7 @@ class FileSource final : public Source {
   CaptureStatus next(CapturedImage& image, std::string& problem, std::chrono::milliseconds timeout) override {
     try {
       const auto until = Recording::Clock::now() + timeout;
-      if (searched_ && !playback_->is_next(*searched_ + 1)) searched_.reset();  // another one is wanted now
+      if (searched_ && !playback_->is_next(*searched_ + 1)) searched_.reset();  // another image is wanted now
       const auto turn = searched_ ? searched_ : playback_->wait_turn(timeout);
       if (!turn) return CaptureStatus::kTimeout;
       CaptureStatus status = take(*turn, image, problem, until);
@@ -373,12 +374,12 @@ class FileSource final : public Source {
     return status;
   }
 
-  const Options options_;
+  const FileOptions options_;
   const std::unique_ptr<Recording> recording_;
   std::shared_ptr<Playback> playback_;
   std::vector<std::string> warnings_;
-  bool any_good_ = false;                 // in this pass
-  std::optional<std::int64_t> searched_;  // the image whose turn it is, while it is searched for
+  bool any_good_ = false;                 // an image was readable in this pass through the recording
+  std::optional<std::int64_t> searched_;  // number of the due image while a seek to it is incomplete
 };
 
 }  // namespace
@@ -404,11 +405,11 @@ Backend file_backend() {
       "files",
       "recorded images, raw frames, a video or a clip instead of a camera",
       [](const Json& options, const std::string& path) {
-        return params_to_json(params_from_json<Options>(options, path));
+        return params_to_json(params_from_json<FileOptions>(options, path));
       },
-      [] { return params_schema<Options>(); },
+      [] { return params_schema<FileOptions>(); },
       [](const Json& options, const SourceContext&) -> std::unique_ptr<Source> {
-        return std::make_unique<FileSource>(params_from_json<Options>(options, ""));
+        return std::make_unique<FileSource>(params_from_json<FileOptions>(options, ""));
       },
       [] { return std::vector<FoundCamera>{}; },
   };

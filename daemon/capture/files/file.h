@@ -7,11 +7,11 @@
 
 namespace sslv {
 
-/// What a file is by the ending of its name.
+/// The kind of a file by its name's extension.
 enum class RecordingKind { kImage, kRaw, kVideo, kClip, kOther };
 RecordingKind recording_kind(const std::filesystem::path& file);
 
-/// "files": recorded images (PNG, JPEG, BMP, PPM), raw frames, a video or a clip instead of a camera.
+/// "files": recorded images (PNG, JPEG, BMP, PPM), raw frames, a video or a clip as a camera.
 Backend file_backend();
 
 }  // namespace sslv

@@ -70,7 +70,7 @@ class ClipRecording final : public Recording {
     std::vector<double> out;
     const auto time_s = [&](std::size_t i) { return reader_.entries()[frames_[i]].t_capture_s; };
     for (std::size_t i = 1; i < frames_.size(); ++i) out.push_back(time_s(i) - time_s(i - 1));
-    // The last one is shown as long as most are.
+    // The last image is shown for the median time between images.
     std::vector<double> sorted = out;
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
     std::nth_element(sorted.begin(), middle, sorted.end());
@@ -81,7 +81,7 @@ class ClipRecording final : public Recording {
  private:
   ClipReader reader_;
   const std::string name_;
-  std::vector<std::uint32_t> frames_;  // of this camera, places in the clip
+  std::vector<std::uint32_t> frames_;  // indices of this camera's frames in the clip
   PicturePool pool_;
 };
 

@@ -36,7 +36,7 @@ T* allocated(T* object) {
   return object;
 }
 
-/// The old "J" formats mean full range; swscale wants it said apart.
+/// The deprecated "J" formats imply full range, which swscale takes as a separate setting.
 AVPixelFormat without_range(AVPixelFormat format) {
   switch (format) {
     case AV_PIX_FMT_YUVJ411P: return AV_PIX_FMT_YUV411P;
@@ -57,10 +57,10 @@ struct MediaReader::Libraries {
   AVFrame* frame = allocated(av_frame_alloc());
   SwsContext* converter = nullptr;
   int stream = 0;
-  std::vector<std::int64_t> times;  // of all images in order, once they are wanted
+  std::vector<std::int64_t> times;  // times of all images, ascending; filled by read_times()
   bool is_reading_times = false, has_times = false;
-  std::int64_t skip_before = AV_NOPTS_VALUE;  // images on the way to the one that was sought
-  bool draining = false;  // the file has been read to its end; the decoder may still hold images
+  std::int64_t skip_before = AV_NOPTS_VALUE;  // skip images before this time, after a seek
+  bool draining = false;                      // end of file reached; the decoder may still hold images
 
   Libraries() = default;
   Libraries(const Libraries&) = delete;
@@ -79,11 +79,11 @@ struct MediaReader::Libraries {
 };
 
 MediaReader::MediaReader(const std::string& path, bool still) : av_(std::make_unique<Libraries>()) {
-  // What the libraries have to say reaches the admin as our own messages.
+  // Errors reach the admin as our own messages, not as the libraries' output.
   static std::once_flag quiet;
   std::call_once(quiet, [] { av_log_set_level(AV_LOG_QUIET); });
 
-  // The name is one local file, not a pattern for several and not an address.
+  // The name is one local file, neither a pattern nor a URL.
   AVDictionary* options = nullptr;
   av_dict_set(&options, "pattern_type", "none", 0);
   av_dict_set(&options, "protocol_whitelist", "file", 0);
@@ -136,7 +136,8 @@ bool MediaReader::seek(std::int64_t picture, Clock::time_point until) {
   return true;
 }
 
-/// Packets come in the order they are decoded in, images in that of their times. False: not all are read yet.
+/// Reads the times of all images and sorts them, because packets are stored in decoding order. False if not
+/// all times were read by `until`; the next call continues.
 bool MediaReader::Libraries::read_times(Clock::time_point until) {
   constexpr std::size_t kMaxPictures = 4'000'000;  // five hours at 200 Hz
   if (has_times) return true;
@@ -157,8 +158,8 @@ bool MediaReader::Libraries::read_times(Clock::time_point until) {
   return false;
 }
 
-/// Hands the decoder the next packet, or the news that there are no more. Throws std::runtime_error for one
-/// that it does not take.
+/// Passes the next packet to the decoder, or signals the end of the file. Throws std::runtime_error for a
+/// packet that the decoder rejects.
 void MediaReader::Libraries::feed() {
   for (;;) {
     const int read = av_read_frame(container, packet);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// MediaReader in a program that is built without FFmpeg: JPEGs, by the library that previews and webcams have
-// anyway, and nothing else.
+// MediaReader of a program built without FFmpeg: supports only JPEGs, with the library that previews and
+// webcams need anyway.
 #include "capture/files/file_media.h"
 #include "capture/files/jpeg_file.h"
 

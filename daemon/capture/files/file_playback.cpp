@@ -12,7 +12,7 @@ namespace sslv {
 
 namespace {
 
-// From the right: loop, paused, steps, next.
+// Layout of the state word, from the lowest bit: loop, paused, steps, next.
 constexpr int kPausedBit = 1, kStepsBit = 2, kNextBit = 20;
 constexpr std::int64_t kMaxSteps = (1 << (kNextBit - kStepsBit)) - 1, kMaxNext = (std::int64_t{1} << 43) - 1;
 
@@ -41,7 +41,7 @@ Playback::Playback(std::vector<double> distances_s, bool loop)
       state_(State{.loop = loop}.word()),
       count_(static_cast<std::int64_t>(distances_s_.size())) {}
 
-/// Returns the state that `change` has made.
+/// Returns the changed state.
 template <class Change>
 Playback::State Playback::update(const Change& change) {
   std::uint64_t word = state_.load();
@@ -53,15 +53,15 @@ Playback::State Playback::update(const Change& change) {
   return after;
 }
 
-/// From this image to the next.
+/// The time from this image to the next.
 Playback::Clock::duration Playback::time_after(std::int64_t place) const {
-  constexpr double kMaxDistance_s = 3600;  // a file may say anything
+  constexpr double kMaxDistance_s = 3600;  // limits implausible times in a file
   double distance_s = 1 / rate_hz_;
   if (!distances_s_.empty()) {
-    // Behind the last image the first is shown again.
+    // Beyond the last image, the first image is shown again.
     const auto i = static_cast<std::size_t>(place);
     const double said_s = distances_s_[i < distances_s_.size() ? i : 0];
-    distance_s = said_s > 0 ? std::min(said_s, kMaxDistance_s) : 0;  // also for NaN
+    distance_s = said_s > 0 ? std::min(said_s, kMaxDistance_s) : 0;  // 0 also for NaN
   }
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(distance_s / speed_));
 }
@@ -87,7 +87,7 @@ std::optional<std::int64_t> Playback::wait_turn(std::chrono::milliseconds timeou
     if (now >= until) return std::nullopt;
     changed_.wait(mark, may_go_on ? std::min(until, due_) : until);
   }
-  // A reader that comes late is not rushed afterwards.
+  // After a late call, the following images are not shown faster to catch up.
   if (is_timed()) due_ = std::max(due_ + time_after(taken.next), Clock::now());
   return taken.next;
 }

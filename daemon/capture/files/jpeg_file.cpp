@@ -17,7 +17,7 @@ namespace sslv {
 
 Image read_jpeg_file(const std::string& path, PicturePool& pool) {
   constexpr std::uintmax_t kMaxBytes = 256 * 1024 * 1024;
-  const std::uintmax_t size = std::filesystem::file_size(path);  // throws for what is no file
+  const std::uintmax_t size = std::filesystem::file_size(path);  // throws if there is no such file
   if (size > kMaxBytes) throw std::runtime_error(fmt::format("{} bytes are too many for an image", size));
   std::vector<std::uint8_t> bytes(size);
   std::ifstream in(path, std::ios::binary);

@@ -7,8 +7,8 @@
 
 namespace sslv {
 
-/// The image of a JPEG file, as JpegDecoder gives it (uyvy or rgb24). Throws std::runtime_error with the
-/// reason, without the path, when it cannot be read, is none or is damaged.
+/// The image of a JPEG file, as JpegDecoder delivers it (uyvy or rgb24). Throws std::runtime_error with the
+/// reason, without the path, if the file cannot be read, is not a JPEG or is damaged.
 Image read_jpeg_file(const std::string& path, PicturePool& pool);
 
 }  // namespace sslv

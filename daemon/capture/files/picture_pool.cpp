@@ -17,8 +17,8 @@ Image PicturePool::take(std::size_t bytes, std::uint8_t*& pixels) {
 }
 
 Image PicturePool::take(const ImageView& layout, std::size_t bytes, std::uint8_t*& pixels) {
-  constexpr std::size_t kBuffers = 12;  // a little more than the frames that the daemon keeps of one camera
-  constexpr std::size_t kSpare = 64;    // swscale's vector code may write a little past the end
+  constexpr std::size_t kBuffers = 12;  // slightly more than the frames that the daemon keeps per camera
+  constexpr std::size_t kSpare = 64;    // swscale's vector code may write slightly past the end
   bytes += kSpare;
   if (bytes > bytes_each_) {
     buffers_.emplace(kBuffers, bytes);

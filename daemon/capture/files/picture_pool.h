@@ -9,13 +9,13 @@
 
 namespace sslv {
 
-/// A BufferPool for images whose size is known only once they come.
+/// A BufferPool for images whose size is unknown until they arrive.
 class PicturePool {
  public:
-  /// Allocates only when an image is larger than any before; low bits (`is_deep`) lie right behind it.
-  /// Throws std::runtime_error when all buffers are out.
+  /// Allocates memory only if the image is larger than all images before. With `is_deep`, low bits follow the
+  /// image directly. Throws std::runtime_error if all buffers are lent.
   Image take(PixelFormat format, int width, int height, std::uint8_t*& pixels, bool is_deep = false);
-  /// One whose layout is not known yet: Image::narrow_to() says it.
+  /// For an image whose layout is not known yet; set it with Image::narrow_to().
   Image take(std::size_t bytes, std::uint8_t*& pixels);
 
  private:

@@ -10,25 +10,26 @@
 
 namespace sslv {
 
-/// What is played instead of a camera: a folder of images, a video, a clip. One thread uses it.
+/// A recording that replaces a camera: a folder of images, a video or a clip. Used by one thread.
 class Recording {
  public:
   virtual ~Recording() = default;
 
   using Clock = std::chrono::steady_clock;
 
-  /// Fills in all but t_capture_s. kImage; kIncomplete where the image is damaged, saying why in `problem`
-  /// with the file's name; kEnd behind the last image; kTimeout when it was still searched for at `until`:
-  /// the next call goes on. Throws std::exception when nothing more can be read.
+  /// Reads image `place`; sets everything except t_capture_s. Returns kImage; kIncomplete for a damaged
+  /// image, with the file's name and the reason in `problem`; kEnd after the last image; kTimeout if the seek
+  /// to the image was not complete at `until`: the next call continues. Throws std::exception if no more
+  /// images can be read.
   virtual CaptureStatus take(std::int64_t place, CapturedImage& image, std::string& problem,
                              Clock::time_point until) = 0;
 
-  /// Images, as far as is known; after kEnd all are.
+  /// Number of images, as far as known; exact after kEnd.
   virtual std::int64_t count() const = 0;
-  /// 0: it does not say.
+  /// 0: unknown.
   virtual double frame_rate_hz() const { return 0; }
-  /// From each image to the next, in s, where they are not evenly far apart; then there are count() of them,
-  /// the last one until it begins again. Empty: they are.
+  /// Times from each image to the next, in s: count() values, of which the last is the time until the
+  /// recording begins again. Empty if all times are equal.
   virtual std::vector<double> distances_s() const { return {}; }
 };
 

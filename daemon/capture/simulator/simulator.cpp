@@ -59,23 +59,24 @@ class SimulatorSource final : public Source {
   std::uint64_t dropped() const noexcept override { return dropped_; }
 
  private:
-  static constexpr std::size_t kBuffers = 12;  // more than viewers hold at once
-  static constexpr std::int64_t kQueued = 4;   // images that wait when they are taken late
-  static constexpr double kRetryS = 0.001;     // for a free buffer, without a frame rate
+  static constexpr std::size_t kBuffers = 12;  // more than viewers hold at the same time
+  static constexpr std::int64_t kQueued = 4;   // maximum number of images queued while they are taken late
+  static constexpr double kRetryS = 0.001;     // pause between attempts to get a buffer, without a frame rate
 
-  /// What the camera says of an image that it took then.
+  /// The time stamp of an image taken at t_s, with the simulated errors.
   double stamp_of(double t_s) {
     const double jitter_ms = errors_.time_jitter_ms > 0 ? errors_.time_jitter_ms * random_.normal() : 0;
     return t_s + (errors_.time_offset_ms + jitter_ms) * 1e-3;
   }
 
-  /// Draws the image of the next tick, if a buffer is free: of one that passed, when we are late.
+  /// Draws the image of the next tick if a buffer is free. If images are taken late, draws the image of an
+  /// earlier tick, which counts as queued.
   void draw_ahead() {
     const double now_s = unix_time_s();
     if (frame_rate_hz_ > 0) {
       std::int64_t tick = static_cast<std::int64_t>(std::floor(now_s * frame_rate_hz_ - errors_.phase)) + 1;
       if (last_tick_ > 0 && tick > last_tick_ + 1) {
-        // Not those of an hour that the clock was set forward.
+        // Do not count the ticks by which the clock was set forward.
         const double passed_s = std::chrono::duration<double>(steady_now() - due_).count();
         const auto passed = static_cast<std::int64_t>(std::ceil(std::max(0.0, passed_s * frame_rate_hz_)));
         const std::int64_t missed = std::min(tick - last_tick_ - 1, passed);
@@ -83,7 +84,7 @@ class SimulatorSource final : public Source {
         dropped_ += static_cast<std::uint64_t>(missed - queued);
         tick -= queued;
       }
-      // The Unix clock may be slewed so that the last tick seems still to come.
+      // The Unix clock may be slewed so that the last tick appears to be in the future.
       if (tick == last_tick_) ++tick;
       last_tick_ = tick;
       t_capture_s_ = (static_cast<double>(tick) + errors_.phase) / frame_rate_hz_;
@@ -109,9 +110,9 @@ class SimulatorSource final : public Source {
   SimulatedCamera camera_;
   BufferPool buffers_;
   std::int64_t last_tick_ = 0;
-  std::uint64_t dropped_ = 0;  // images that nobody took in time
-  double t_capture_s_ = 0;     // of the image that is ready
-  SteadyTime due_{};           // when to hand it over
+  std::uint64_t dropped_ = 0;  // images not taken in time
+  double t_capture_s_ = 0;     // capture time of ready_
+  SteadyTime due_{};           // time at which to deliver ready_
   Image ready_;
 };
 

@@ -14,8 +14,8 @@
 namespace sslv {
 namespace {
 
-constexpr int kBandRows = 64;             // the whole image is developed in bands, to need less memory
-constexpr double kMainsLightHz = 100.03;  // mains are never at 50 Hz exactly
+constexpr int kBandRows = 64;             // the whole image is developed in bands, to limit memory
+constexpr double kMainsLightHz = 100.03;  // twice the mains frequency, which is never exactly 50 Hz
 constexpr double kUsualReadOutMs = 10;
 
 SimulatorOptions with_resolved_hall(SimulatorOptions options) {
@@ -52,7 +52,7 @@ SimulatedWorld world_of(const SimulatorOptions& options, const SourceContext& co
   }
 }
 
-/// Its factor at a Unix time, so that all cameras agree.
+/// The swing's factor at a Unix time, the same for all cameras.
 double swing_at(const std::vector<std::array<double, 2>>& swing, double t_s) {
   if (swing.empty()) return 1;
   const double at = t_s - std::floor(t_s / swing.back()[0]) * swing.back()[0];
@@ -121,7 +121,7 @@ void SimulatedCamera::develop_background() {
   canvas_.clean = background_.clean;
 }
 
-/// A new light is all over the image.
+/// A change of the light changes the whole background.
 void SimulatedCamera::follow_light(double t_s) {
   if (!light_changes()) return;
   double light = swing_at(options_.light_swing, t_s);
@@ -133,7 +133,7 @@ void SimulatedCamera::follow_light(double t_s) {
   background_.gains = gains;
   sensor_.set_gains(gains);
   for (int y = 0; y < options_.height && banding_ > 0; ++y) {
-    // A shutter that opens all rows at once shows no bands; that the option asks for them is enough.
+    // A global shutter would show no bands; if the option asks for them, assume the usual read-out time.
     const double read_out_s =
         1e-3 * (options_.rolling_shutter_ms > 0 ? options_.rolling_shutter_ms : kUsualReadOutMs);
     const double turns = kMainsLightHz * (t_s + read_out_s * y / options_.height);
@@ -152,7 +152,7 @@ void SimulatedCamera::draw(double t_s, std::uint8_t* picture) noexcept {
     sensor_.develop(canvas_.light, sensor_.reached_from(box), canvas_.clean.data());
   sensor_.add_noise(canvas_.clean.data(), picture);
 
-  // Wipe what was drawn, for the next frame.
+  // Restore the background for the next frame.
   const auto stride = static_cast<std::size_t>(layout_.stride_bytes);
   const auto pixel_bytes = static_cast<std::size_t>(bytes_per_pixel(layout_.format));
   for (const DrawnBox& box : canvas_.boxes) {
@@ -186,7 +186,7 @@ bool SimulatedCamera::fully_visible(const Eigen::Vector3d& center_mm, double rad
   const Eigen::Vector3d& eye = scene_.camera->position_mm();
   for (const SimulatedRobot& robot : scene.robots) {
     if (robot.height_mm <= center_mm.z()) continue;
-    // How near to the other robot the line of sight comes below the plane of its top.
+    // Distance between the other robot and the line of sight below the plane of its top.
     const double share = (robot.height_mm - center_mm.z()) / (eye.z() - center_mm.z());
     const Eigen::Vector2d along = share * (eye - center_mm).head<2>();
     const Eigen::Vector2d from = center_mm.head<2>() - Eigen::Vector2d(robot.x_mm, robot.y_mm);
@@ -197,11 +197,12 @@ bool SimulatedCamera::fully_visible(const Eigen::Vector3d& center_mm, double rad
   return true;
 }
 
-/// Of a ball's disc, or of a robot's `top`, by points of it; 1 only when it is fully visible.
+/// Visible fraction of a ball's disc, or of a robot's `top`, estimated at sample points; 1 only if fully
+/// visible.
 double SimulatedCamera::visible_share(const Eigen::Vector3d& center_mm, double radius_mm,
                                       const SimulatedScene& scene, const SimulatedRobot* top) const {
   if (fully_visible(center_mm, radius_mm, scene)) return 1;
-  constexpr double kMax = 0.999;  // something of it is or may be missing
+  constexpr double kMax = 0.999;  // limit for a thing of which a part is or may be hidden
   const auto is_visible = [&](const Eigen::Vector3d& point) {
     const auto pixel = scene_.camera->project(point);
     return pixel && pixel->x() >= -0.5 && pixel->y() >= -0.5 && pixel->x() <= options_.width - 0.5 &&
@@ -227,7 +228,7 @@ Json SimulatedCamera::truth(const std::string& frame, double t_s) const {
   const bool rolls = options_.rolling_shutter_ms > 0;
   const SimulatorMotions motions =
       rolls ? world_.motions_at(t_s, options_.rolling_shutter_ms * 0.5e-3) : SimulatorMotions();
-  // The scene when the row is read out that shows the middle of a thing.
+  // The scene when the row that shows the centre of a thing is read out.
   const auto seen_at = [&](const auto& center_in) {
     SimulatedScene seen = scene;
     for (int i = 0; i < 4 && rolls; ++i) {
@@ -238,7 +239,7 @@ Json SimulatedCamera::truth(const std::string& frame, double t_s) const {
     }
     return seen;
   };
-  // A thing whose middle lies this far outside cannot show in the image.
+  // A thing whose centre is this far outside cannot appear in the image.
   const auto pixel_of = [&](const Eigen::Vector3d& center_mm) {
     auto pixel = scene_.camera->project(center_mm);
     const double margin = options_.width / 4.0;

@@ -19,52 +19,53 @@
 
 namespace sslv {
 
-/// One simulated camera: the bytes it gives at any time, and the truth about them. The field is drawn once; a
-/// frame redraws only what lies around things, then adds noise. Memory: 14 bytes a pixel and more; 12 further
-/// ones when its light changes.
+/// One simulated camera: the bytes of its image at any time, and the ground truth. The background is drawn
+/// once; a frame redraws only the surroundings of moving things, then adds noise. Memory: at least 14 bytes
+/// per pixel; 12 more if the light changes.
 class SimulatedCamera {
  public:
-  /// The camera is that of context.scene. Throws CaptureError, in one line: no calibration, one for images
-  /// of another size, too many things for the field, an id without a pattern.
+  /// Uses the camera of context.scene. Throws CaptureError, in one line, if the calibration is missing or for
+  /// another image size, if there are too many things for the field, or if an id has no pattern.
   SimulatedCamera(const SimulatorOptions& options, const SourceContext& context,
                   const PatternTable& patterns);
 
-  /// What draw() writes; data is null.
+  /// The layout that draw() writes; its data is null.
   const ImageView& layout() const { return layout_; }
   std::size_t picture_bytes() const { return sensor_.picture_bytes(); }
 
-  /// Writes the image whose exposure has its middle at Unix time t_s. The noise is new each time.
+  /// Writes the image whose exposure is centred at Unix time t_s. The noise differs in each call.
   void draw(double t_s, std::uint8_t* picture) noexcept;
 
   SimulatedScene scene_at(double t_s) const { return world_.at(t_s); }
 
   /// {"frame", "t", "robots": [{"team", "id", "x", "y", "orientation", "height", "covered_dot", "visible",
   /// "visible_share", "pixel_x", "pixel_y"}], "balls": [{"x", "y", "visible", "visible_share", "pixel_x",
-  /// "pixel_y"}]} with the names and units of docs/openapi.json. "visible": all of the robot's top, or of the
-  /// ball, is in the image and not hidden by a robot, nor nearly so. "visible_share": how much of it is in
-  /// the image and not hidden; 1 only for what is visible. "covered_dot": a side dot painted over (index in
-  /// the pattern table), or null. Things out of sight are left out. With a rolling shutter x, y and
-  /// orientation are those at t_s; pixel_x, pixel_y and what is visible are as its rows saw it.
+  /// "pixel_y"}]} with the names and units of docs/openapi.json. "visible": the whole top of the robot, or
+  /// the whole ball, is in the image, and no robot hides or nearly hides a part of it. "visible_share": the
+  /// fraction of the top or ball that is in the image and not hidden; 1 only if "visible". "covered_dot": the
+  /// side dot that is painted over (index in the pattern table), or null. Things out of sight are omitted.
+  /// With a rolling shutter, x, y and orientation are given at t_s, but pixel_x, pixel_y and visibility at
+  /// the time when the row that shows the thing's centre is exposed.
   Json truth(const std::string& frame, double t_s) const;
 
  private:
   /// The hall and the field: drawn once, and developed again when the light changes.
   struct Background {
     LightPicture light;
-    std::vector<std::uint8_t> clean;  // as bytes without noise
-    std::vector<float> blurred;       // after the lens; empty when the light never changes
-    std::array<float, 3> gains;       // that `clean` was developed with
+    std::vector<std::uint8_t> clean;  // image bytes without noise
+    std::vector<float> blurred;       // light after the lens blur; empty if the light never changes
+    std::array<float, 3> gains;       // gains used to develop `clean`
   };
-  /// The same as the background but while a frame is drawn.
+  /// Equal to the background except while a frame is drawn.
   struct Canvas {
     LightPicture light;
     std::vector<std::uint8_t> clean;
-    SimulatorRenderer::Boxes boxes;  // where it is drawn over
+    SimulatorRenderer::Boxes boxes;  // regions in which the frame was drawn
   };
-  /// What a frame sees of the world.
+  /// The world during a frame's exposure.
   struct Exposure {
     std::vector<SimulatedScene> moments;
-    SimulatorMotions motions;  // with a rolling shutter
+    SimulatorMotions motions;  // only used with a rolling shutter
   };
 
   bool light_changes() const;
@@ -74,7 +75,7 @@ class SimulatedCamera {
   double visible_share(const Eigen::Vector3d& center_mm, double radius_mm, const SimulatedScene& scene,
                        const SimulatedRobot* top) const;
 
-  SimulatorOptions options_;  // with a hall that is resolved
+  SimulatorOptions options_;  // with `hall` resolved
   Scene scene_;
   SimulatedLamps lamps_;
   double banding_;

@@ -42,7 +42,7 @@ float SimulatedCarpet::tone_at(const Eigen::Vector2d& p) {
   return 1 + 0.10F * lattice_noise(p.x(), p.y(), 14, kPile) + 0.12F * lattice_noise(p.x(), p.y(), 350, kDust);
 }
 
-/// 1 where it was trodden most: before the goals, round the centre, and along winding paths.
+/// Wear, 1 where it is strongest: before the goals, around the centre, and along winding paths.
 float SimulatedCarpet::wear_at(const Eigen::Vector2d& field_mm, const Eigen::Vector2d& place_mm) const {
   const auto near = [](double distance_mm, double reach_mm) {
     const double t = distance_mm / reach_mm;
@@ -54,7 +54,7 @@ float SimulatedCarpet::wear_at(const Eigen::Vector2d& field_mm, const Eigen::Vec
   return std::min(1.0F, places + smooth_step(0.6F, 1, path));
 }
 
-/// Strips differ a little, and show a line where they meet.
+/// Adds the slightly different brightness of the strips, and the seams between them.
 void SimulatedCarpet::lay_strips(double across_mm, double along_mm, float& bright) const {
   constexpr double kSeamMm = 5;
   const double wave_mm = 4 * lattice_noise(along_mm, 0, 400, kWave, true);
@@ -62,7 +62,7 @@ void SimulatedCarpet::lay_strips(double across_mm, double along_mm, float& brigh
                seam = std::round(across_mm / strips_.width_mm);
   bright += 2 * strips_.step * lattice_value(strip, 0, kStrip);
   const double off = (across_mm - seam * strips_.width_mm + wave_mm) / kSeamMm;
-  // Mostly a gap, now and then a ridge.
+  // Most seams are dark gaps, some are bright ridges.
   const float sign = lattice_value(seam, 0, kSeam) > 0.2F ? 1.0F : -1.0F;
   bright += sign * strips_.seams * static_cast<float>(std::exp(-off * off));
 }
@@ -92,7 +92,7 @@ Paint SimulatedCarpet::at(const Eigen::Vector2d& p, const Eigen::Vector3d& eye_m
     color = color.mixed({pale, pale, 0.95F * pale}, 0.5F * wear_ * wear_at(p, q));
   }
   if (shine_ > 0) {
-    // Where a mirror on the floor would show the lamp; pile mirrors all around.
+    // The point where a mirror on the floor would show the lamp; pile spreads the reflection around it.
     const Eigen::Vector2d spot =
         (eye_mm.head<2>() * lamp_mm_.z() + lamp_mm_.head<2>() * eye_mm.z()) / (eye_mm.z() + lamp_mm_.z());
     const double off = (p - spot).norm() / (0.22 * eye_mm.z());

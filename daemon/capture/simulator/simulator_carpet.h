@@ -10,16 +10,16 @@
 
 namespace sslv {
 
-/// What a hall's carpet looks like, without lines.
+/// The appearance of a hall's carpet, without lines.
 class SimulatedCarpet {
  public:
   /// `hall` must be resolved.
   SimulatedCarpet(const HallOptions& hall, const FieldSize& field, const SimulatedLamps& lamps);
 
-  /// The brightness of pile and dust, as a factor, on the carpet and beside it.
+  /// Brightness factor of pile and dust, on the carpet and beside it.
   static float tone_at(const Eigen::Vector2d& field_mm);
 
-  /// Seen from `eye_mm`, where sheen depends on.
+  /// The colour seen from `eye_mm`, on which the sheen depends.
   Paint at(const Eigen::Vector2d& field_mm, const Eigen::Vector3d& eye_mm) const;
 
  private:
@@ -28,11 +28,11 @@ class SimulatedCarpet {
     float contrast;
     double size_mm;
   };
-  /// The widths that a carpet is laid in, side by side.
+  /// The strips in which the carpet is laid, side by side.
   struct Strips {
-    double width_mm;  // 0: it is in one piece
-    float step;       // between the brightness of neighbours
-    float seams;      // the contrast of the lines where they meet
+    double width_mm;  // 0: a single piece, without strips
+    float step;       // maximum deviation of a strip's brightness
+    float seams;      // contrast of the lines between strips
     bool along_x;
   };
 
@@ -40,13 +40,13 @@ class SimulatedCarpet {
   void lay_strips(double across_mm, double along_mm, float& bright) const;
 
   Paint base_;
-  bool is_even_;  // but for its tone
+  bool is_even_;  // the carpet has one colour, except for tone_at()
   Blotches blotches_;
   Strips strips_;
   float tint_, weave_, wear_, shine_;
-  Eigen::Vector2d offset_mm_;  // into the noise
-  Eigen::Vector2d goal_mm_;    // the place before a goal where most is driven; the other one mirrors it
-  Eigen::Vector3d lamp_mm_;    // that is mirrored
+  Eigen::Vector2d offset_mm_;  // offset into the noise
+  Eigen::Vector2d goal_mm_;    // the most worn place before a goal; mirrored for the other goal
+  Eigen::Vector3d lamp_mm_;    // the lamp that the sheen reflects
 };
 
 }  // namespace sslv

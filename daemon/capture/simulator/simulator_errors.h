@@ -8,7 +8,7 @@
 
 namespace sslv {
 
-/// What is wrong with a simulated camera, as with real ones: nothing, unless the settings say so.
+/// Errors of a simulated camera, as real cameras have them. Default: none.
 struct SimulatorErrors {
   double moved_x_mm = 0, moved_y_mm = 0;
   double turned_deg = 0;
@@ -36,7 +36,7 @@ struct SimulatorErrors {
   }
 };
 
-/// Where the camera really hangs.
+/// The camera model with the camera's actual pose; `calibrated` has the assumed pose.
 CameraModel with_errors(const CameraModel& calibrated, const SimulatorErrors& errors);
 
 }  // namespace sslv

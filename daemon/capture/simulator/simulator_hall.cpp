@@ -8,7 +8,7 @@
 namespace sslv {
 namespace {
 
-/// Carpets of real fields, as cameras see them.
+/// Carpet colours of real fields, as seen by cameras.
 constexpr std::array<std::array<int, 3>, 6> kCarpets{
     {{34, 98, 48}, {30, 92, 62}, {44, 108, 50}, {26, 80, 44}, {52, 104, 66}, {36, 112, 62}}};
 
@@ -33,7 +33,7 @@ HallOptions plain() {
   return h;
 }
 
-/// A carpet and a floor of this seed.
+/// Chooses carpet and floor by the seed.
 void furnish(HallOptions& hall, int seed) {
   SimulatorRandom random(scatter(static_cast<std::uint64_t>(seed)) + 1);
   const auto& carpet = kCarpets[random.bits() % kCarpets.size()];
@@ -96,7 +96,7 @@ template <class P, class S>
 void fill_field(P& params, const P& from, const GroupField<P, S>& field) {
   fill(params.*field.member, from.*field.member);
 }
-/// What all halls have.
+/// Options of HallOptions itself, which are never null.
 template <class E, std::size_t N>
 void fill_field(HallOptions&, const HallOptions&, const ChoiceField<HallOptions, E, E, N>&) {}
 template <class Limit>

@@ -10,11 +10,11 @@
 
 namespace sslv {
 
-/// What stands for all that a hall's options leave open.
+/// Determines the values of all hall options that are null.
 enum class HallKind : std::uint8_t {
   kPlain,  // an even carpet under steady light, nothing around
-  kUsual,  // as most halls are
-  kHard,   // as the worst are
+  kUsual,  // like most halls
+  kHard,   // like the worst halls
 };
 inline constexpr std::array<Choice<HallKind>, 3> kHallKindChoices{
     {{"plain", HallKind::kPlain}, {"usual", HallKind::kUsual}, {"hard", HallKind::kHard}}};
@@ -23,7 +23,7 @@ enum class HallFloor : std::uint8_t { kGrey, kDark, kWood };
 inline constexpr std::array<Choice<HallFloor>, 3> kHallFloorChoices{
     {{"grey", HallFloor::kGrey}, {"dark", HallFloor::kDark}, {"wood", HallFloor::kWood}}};
 
-// Everything that is null is as the hall's kind says: resolved() fills it in.
+// Null options depend on the hall's kind: resolved() fills them in.
 
 struct HallCarpetOptions {
   std::optional<int> red{}, green{}, blue{};
@@ -121,7 +121,7 @@ struct HallSensorOptions {
   }
 };
 
-/// The hall around the field and what it does to the image. What stands there stands still.
+/// The hall around the field and its effects on the image. Things in the hall do not move.
 struct HallOptions {
   HallKind kind = HallKind::kPlain;
   int seed = 1;
@@ -147,7 +147,7 @@ struct HallOptions {
   }
 };
 
-/// The same with nothing null.
+/// Returns the options with all null values filled in.
 HallOptions resolved(HallOptions hall);
 
 }  // namespace sslv

@@ -16,7 +16,7 @@ SimulatedLamps::SimulatedLamps(const HallOptions& hall, const FieldSize& field)
   SimulatorRandom random(scatter(static_cast<std::uint64_t>(hall.seed)) + 3);
   const double half_x = field.field_length / 2.0 + field.boundary_width_goal_line;
   const double half_y = field.field_width / 2.0 + field.boundary_width;
-  // Two rows under the ceiling; one lamp is old.
+  // Two rows under the ceiling; one lamp is old and weak.
   constexpr double kApartMm = 3500;
   const int columns = std::max(2, static_cast<int>(std::lround(2 * half_x / kApartMm)));
   for (int row = 0; row < 2; ++row) {
@@ -54,7 +54,7 @@ double SimulatedLamps::sum_at(const Eigen::Vector2d& field_mm) const {
   double sum = 0;
   for (std::size_t i = 0; i < places_mm_.size(); ++i) {
     const double z = places_mm_[i].z(), d2 = (places_mm_[i].head<2>() - field_mm).squaredNorm() + z * z;
-    // A flat lamp above a flat floor: both see each other aslant.
+    // Lambert's cosine law at the flat lamp and at the flat floor.
     sum += strengths_[i] * z * z / (d2 * d2);
   }
   return sum;

@@ -13,7 +13,7 @@
 
 namespace sslv {
 
-/// A hall's lamps: how much light falls where, and how it changes.
+/// A hall's lamps: the light at each position, and its changes.
 class SimulatedLamps {
  public:
   /// `hall` must be resolved.
@@ -27,7 +27,7 @@ class SimulatedLamps {
   std::span<const Eigen::Vector3d> places_mm() const { return places_mm_; }
 
   bool flickers() const { return flicker_low_ != 1 || flicker_high_ != 1; }
-  /// Factor on the light of the image of this number, of a scene with this seed.
+  /// Light factor of this image number, in a scene with this seed.
   double flicker(int scene_seed, std::int64_t picture) const;
 
  private:
@@ -37,8 +37,9 @@ class SimulatedLamps {
   double flicker_low_, flicker_high_;
   std::vector<Eigen::Vector3d> places_mm_;
   std::vector<double> strengths_;
-  double mean_ = 1, scale_ = 0;  // of sum_at() on the field
-  Eigen::Vector2d warm_side_;  // from the middle to where red is strongest, as a factor for field millimetres
+  double mean_ = 1, scale_ = 0;  // mean of sum_at() on the field; factor on deviations from that mean
+  // Direction in which red increases; the dot product with a position in mm is -1 .. 1 on the field.
+  Eigen::Vector2d warm_side_;
 };
 
 }  // namespace sslv

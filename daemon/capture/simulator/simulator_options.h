@@ -14,18 +14,18 @@
 
 namespace sslv {
 
-/// Where things are from image to image.
+/// The way in which positions change from image to image.
 enum class SimulatorPlacement : std::uint8_t {
-  kPaths,    // in endless smooth motion
-  kScatter,  // at new random places in each image
+  kPaths,    // endless smooth motion
+  kScatter,  // new random places in each image
 };
 inline constexpr std::array<Choice<SimulatorPlacement>, 2> kSimulatorPlacementChoices{
     {{"paths", SimulatorPlacement::kPaths}, {"scatter", SimulatorPlacement::kScatter}}};
 
-/// The simulator's lines in a camera's "source".
+/// The simulator's options in a camera's "source".
 struct SimulatorOptions {
-  /// Of an image, and of those of all simulated cameras together: each camera keeps about a dozen of its
-  /// own.
+  /// Limits for the pixels of one image, and for the sum over one image of every simulated camera. They bound
+  /// the memory: each camera keeps about a dozen images.
   static constexpr std::int64_t kMaxPixels = 25'000'000, kMaxPixelsOfAll = 100'000'000;
   static constexpr std::size_t kMaxSwingPoints = 1000;
   int width = 780, height = 580;

@@ -3,12 +3,13 @@
 
 namespace sslv {
 
-/// What a surface reflects under white light at brightness 1, in 8-bit grey levels; or factors of a light.
+/// The light that a surface reflects under white light of brightness 1, in 8-bit grey levels; or a light's
+/// factors on red, green and blue.
 struct Paint {
   float r, g, b;
 
   Paint scaled(float factor) const { return {r * factor, g * factor, b * factor}; }
-  /// Towards another: all of it for 1.
+  /// Interpolates from this paint (`share` 0) to `other` (`share` 1).
   Paint mixed(const Paint& other, float share) const {
     return {r + (other.r - r) * share, g + (other.g - g) * share, b + (other.b - b) * share};
   }

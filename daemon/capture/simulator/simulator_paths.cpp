@@ -14,8 +14,8 @@ namespace {
 constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr double kFromLinesMm = 30;  // robots keep inside the field's lines
 
-/// The angle between neighbours when `count` things of radius `radius_mm` or more from the centre must keep
-/// `apart_mm`; nothing when they do not fit.
+/// The minimum angle between neighbours on a ring so that `count` things, at least `radius_mm` from the
+/// centre, are at least `apart_mm` apart; nothing if the things do not fit.
 std::optional<double> min_angle(int count, double radius_mm, double apart_mm) {
   if (count < 2) return 0.0;
   if (apart_mm > 2 * radius_mm) return std::nullopt;
@@ -58,13 +58,13 @@ void SimulatorPaths::lay_paths(const SimulatorOptions& options, const FieldSize&
   const double robots_apart_mm = 2 * field.max_robot_radius + kSimulatorClearanceMm;
   const double balls_apart_mm = 2 * field.ball_radius + kSimulatorClearanceMm;
   const double robot_to_ball_mm = field.max_robot_radius + field.ball_radius + kSimulatorClearanceMm;
-  const double min_pitch_mm = 2 * robot_to_ball_mm + 10;  // between two rings, with a lane for balls
+  const double min_pitch_mm = 2 * robot_to_ball_mm + 10;  // between two rings, including a lane for balls
   if (disc_mm < min_pitch_mm) throw no_room("robots", options, field);
   stretch_x_ = half_x / disc_mm;
   stretch_y_ = half_y / disc_mm;
 
   SimulatedRoster roster = roster_of(options);
-  // More robots, more rings, as far as the field is wide enough.
+  // Use more rings for more robots, if the field is wide enough.
   const auto robots = static_cast<int>(roster.size());
   const int wanted_rings = std::max(1, static_cast<int>(std::lround(std::sqrt(0.75 * robots))));
   const int rings = std::min(wanted_rings, static_cast<int>(disc_mm / min_pitch_mm));
@@ -72,7 +72,7 @@ void SimulatorPaths::lay_paths(const SimulatorOptions& options, const FieldSize&
   const double wobble_mm = 0.2 * (pitch_mm - min_pitch_mm);
   const auto ring_radius_mm = [&](int ring) { return (ring + 0.8) * pitch_mm; };
 
-  // Fill the rings evenly along their length.
+  // Distribute the robots over the rings in proportion to the rings' lengths.
   std::vector<int> on_ring(static_cast<std::size_t>(rings), 0);
   for (int robot = 0; robot < robots; ++robot) {
     int best = -1;
@@ -90,7 +90,7 @@ void SimulatorPaths::lay_paths(const SimulatorOptions& options, const FieldSize&
 
   shuffle(roster, random);
 
-  /// `count` things that share a turning, evenly spaced, each swinging as far as `apart_mm` leaves room for.
+  /// `count` orbits with a common rotation, evenly spaced, each oscillating as far as `apart_mm` permits.
   const auto orbits = [&](int count, const Swing& radius, double apart_mm, double speed_mm_s) {
     const double turn_rad_s = (random.bits() % 2 == 0 ? 1 : -1) * speed_mm_s / radius.middle;
     const double start = random.angle();
@@ -100,7 +100,7 @@ void SimulatorPaths::lay_paths(const SimulatorOptions& options, const FieldSize&
     for (int i = 0; i < count; ++i) {
       Orbit& orbit = out.emplace_back();
       orbit.radius_mm = {radius.middle, radius.reach, random.uniform(0.03, 0.12), random.angle()};
-      // No more than 500 mm, so that swinging stays slower than driving.
+      // The oscillation along the ring is at most 500 mm, so that it stays slower than the rotation.
       orbit.angle_rad = {start + i * kTwoPi / count, std::min(spare, 500 / radius.middle),
                          random.uniform(0.04, 0.12), random.angle()};
       orbit.turn_rad_s = turn_rad_s;
@@ -120,7 +120,8 @@ void SimulatorPaths::lay_paths(const SimulatorOptions& options, const FieldSize&
     }
   }
 
-  // Lane n lies inside ring n; balls start in the middle lane.
+  // Lane n lies inside ring n. Lanes get equal numbers of balls; the remaining balls are added from the
+  // middle lane on.
   for (int lane = 0; lane < rings; ++lane) {
     const int offset = (lane - rings / 2 + rings) % rings;
     const int count = options.balls / rings + (offset < options.balls % rings ? 1 : 0);

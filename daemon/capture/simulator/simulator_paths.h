@@ -9,12 +9,12 @@
 
 namespace sslv {
 
-/// Robots and balls in endless smooth motion, which keep their places in the lists for all times; distractors
-/// lie still. Everything moves in a disc that is then stretched to the field, which only takes things further
-/// apart: robots drive round on rings, balls in the lanes between them. So nothing ever touches.
+/// Robots and balls in endless smooth motion, at constant indices in the lists; distractors lie still.
+/// Everything moves in a disc: robots drive round on rings, and balls move in the lanes between the rings, so
+/// that nothing ever touches. The disc is then stretched to the field, which only increases distances.
 class SimulatorPaths {
  public:
-  /// Throws SettingsError when there is no room for all of them.
+  /// Throws SettingsError if there is not enough space for all robots and balls.
   SimulatorPaths(const SimulatorOptions& options, const FieldSize& field,
                  const std::array<double, 2>& robot_height_mm);
 
@@ -26,7 +26,7 @@ class SimulatorPaths {
     double middle, reach, rate_hz, phase;
     double at(double t_s) const;
   };
-  /// A path round the disc: radius and angle swing about an even turning.
+  /// A path around the disc: radius and angle oscillate about a uniform rotation.
   struct Orbit {
     Swing radius_mm, angle_rad;
     double turn_rad_s;

@@ -7,7 +7,7 @@
 
 namespace sslv {
 
-/// A rectangle of pixels; right and bottom are one past the last.
+/// A rectangle of pixels; right and bottom are one past the last pixel.
 struct DrawnBox {
   int left, top, right, bottom;
   bool empty() const { return left >= right || top >= bottom; }

@@ -8,7 +8,7 @@
 namespace sslv {
 namespace {
 
-/// What other printers and other paper make of a label.
+/// Variants of a label's colour by other printers and papers.
 struct Makers {
   Label label;
   std::array<Paint, 4> paints;
@@ -26,7 +26,7 @@ Paint paint_of(const Makers& makers, double differ, SimulatorRandom& random) {
   return kPrints[makers.label].mixed(other, static_cast<float>(differ * random.uniform(0.5, 1)));
 }
 
-/// Ink that the sun bleached: paler, and less of a colour.
+/// Ink bleached by the sun: paler and less saturated.
 Paint faded(const Paint& paint, float share) {
   constexpr float kPaper = 200;
   const float pale = 0.6F * paint.luma() + 0.4F * kPaper;

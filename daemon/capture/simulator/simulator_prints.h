@@ -10,8 +10,7 @@
 
 namespace sslv {
 
-/// What things are painted with, by label and paint::, where prints do not differ. Hues lie 25 degrees or
-/// more apart in YUV.
+/// Nominal colours of things, indexed by label:: and paint::. Hues are at least 25 degrees apart in YUV.
 inline constexpr std::array<Paint, paint::kCount> kPrints{{
     {24, 24, 27},     // clear
     {30, 92, 62},     // field
@@ -29,7 +28,7 @@ inline constexpr std::array<Paint, paint::kCount> kPrints{{
     {224, 172, 140},  // skin
 }};
 
-/// The prints of a hall's robots and the paint of its balls: other makers, other colours.
+/// The colours of a hall's robot prints and balls, which vary with their makers.
 class SimulatedPrints {
  public:
   using Colors = std::array<Paint, label::kCount>;
@@ -48,7 +47,8 @@ class SimulatedPrints {
   Paint ball_;
 };
 
-/// The height of a robot's print where `height_mm` is its team's. `hall` must be resolved.
+/// The height in mm of a robot's print; `height_mm` is the height of the robot's team. `hall` must be
+/// resolved.
 double print_height_mm(const HallOptions& hall, Team team, int id, double height_mm);
 
 }  // namespace sslv

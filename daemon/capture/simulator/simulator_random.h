@@ -15,8 +15,8 @@ constexpr std::uint64_t scatter(std::uint64_t z) {
   return z ^ (z >> 31);
 }
 
-/// Random numbers that are the same for a seed with every compiler and library, which those of <random> are
-/// not.
+/// Random numbers that depend only on the seed. (The distributions of <random> differ between compilers and
+/// libraries.)
 class SimulatorRandom {
  public:
   explicit SimulatorRandom(std::uint64_t seed) : state_(seed) {}

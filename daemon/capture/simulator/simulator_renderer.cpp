@@ -15,21 +15,21 @@ namespace {
 
 constexpr Paint kLine{205, 205, 200}, kNowhere{92, 88, 84}, kRobotTop{24, 24, 27}, kRobotSide{34, 34, 38},
     kLampSpot{260, 255, 235};
-/// Towards the lamp of `ball_gloss`, of length 1.
+/// Unit vector towards the lamp of `ball_gloss`.
 const Eigen::Vector3f kLampDirection = Eigen::Vector3f(0.5F, 0.35F, 1).normalized();
 
-constexpr int kGridPx = 16;         // from one point of LampGrid to the next
-constexpr float kMarginPx = 0.75F;  // a pixel's corners are a little less far from its centre
+constexpr int kGridPx = 16;         // spacing of LampGrid
+constexpr float kMarginPx = 0.75F;  // slightly more than the distance from a pixel's centre to its corners
 constexpr auto kEverywhere = [](int /*x*/, int /*y*/) { return true; };
 
 using Vec2 = Eigen::Vector2f;
 
-/// Share of a pixel's square where an edge's signed distance is positive. `distance` is that of the pixel's
-/// centre, `dx` and `dy` its change over one pixel: all in the same unit. Exact for a straight edge.
+/// Fraction of a pixel's square on the positive side of an edge. `distance` is the signed distance of the
+/// pixel's centre, `dx` and `dy` its change over one pixel, all in the same unit. Exact for a straight edge.
 float covered(float distance, float dx, float dy) {
   const float a = std::max(std::abs(dx), std::abs(dy)), b = std::min(std::abs(dx), std::abs(dy));
   const float far = 0.5F * (a + b), d = std::abs(distance);
-  float inside;  // on the side that holds the centre
+  float inside;  // fraction on the side that holds the centre
   if (d >= far) {
     inside = 1;
   } else if (d <= 0.5F * (a - b)) {
@@ -47,7 +47,7 @@ DrawnBox join(const DrawnBox& a, const DrawnBox& b) {
           std::max(a.bottom, b.bottom)};
 }
 
-/// To a LightPicture's channel: rounded, and no more than it can hold.
+/// Converts to a value of a LightPicture's channel, rounded and limited to the maximum.
 std::uint16_t channel_value(float steps) {
   const float up = std::min(steps, 65535.0F) + 0.5F;
   return static_cast<std::uint16_t>(up);
@@ -55,14 +55,14 @@ std::uint16_t channel_value(float steps) {
 
 }  // namespace
 
-/// A thing's place as seen from the pixels of one box: its centre, and the turn into its own frame.
+/// A thing's pose for the pixels of one box: its centre, and the rotation into its own frame.
 struct SimulatorRenderer::Shape {
   Eigen::Vector2d center_mm;
   float cos = 1, sin = 0;
-  Vec2 eye{0, 0};  // above this point of its own frame is the camera
+  Vec2 eye{0, 0};  // the point below the camera, in the thing's frame
 
   Vec2 into(const Vec2& v) const { return {cos * v.x() + sin * v.y(), -sin * v.x() + cos * v.y()}; }
-  /// Where it is dt_s later, seen from above `eye_mm`.
+  /// The shape dt_s later; `eye_mm` is the point below the camera.
   Shape moved(const SimulatorMotion& motion, double dt_s, const Eigen::Vector2d& eye_mm) const {
     const auto turn = static_cast<float>(motion.turn_rad(dt_s));
     const float c = std::cos(turn), s = std::sin(turn);
@@ -74,12 +74,12 @@ struct SimulatorRenderer::Shape {
 
 struct SimulatorRenderer::Footprint {
   Vec2 dx, dy;  // mm on the plane per pixel to the right and downwards
-  float reach;  // no point of the pixel's square is further from its centre than this, mm
+  float reach;  // maximum distance of the pixel's square from its centre, mm
 
   Footprint(const Vec2& right, const Vec2& down)
       : dx(right), dy(down), reach(0.5F * (right.norm() + down.norm())) {}
 
-  /// Share of the pixel inside a disc.
+  /// Fraction of the pixel inside a disc.
   float in_disc(const Vec2& from_center, float radius) const {
     const float r2 = from_center.squaredNorm();
     if (r2 >= (radius + reach) * (radius + reach)) return 0;
@@ -87,9 +87,9 @@ struct SimulatorRenderer::Footprint {
     const float r = std::max(std::sqrt(r2), 1e-6F);
     return covered(radius - r, from_center.dot(dx) / r, from_center.dot(dy) / r);
   }
-  /// Share of the pixel inside an ellipse or rectangle with these halves of its sides.
+  /// Fraction of the pixel inside an ellipse or rectangle with half axes a and b.
   float in_ellipse(const Vec2& p, float a, float b) const {
-    // 1 on the rim. Not the distance from it, but close to the rim in proportion to it.
+    // `r` is 1 on the rim; near the rim, `r` - 1 is proportional to the distance from the rim.
     const Vec2 scaled(p.x() / a, p.y() / b);
     const float r = std::max(scaled.norm(), 1e-6F);
     return below(1, r, Vec2(scaled.x() / (a * r), scaled.y() / (b * r)));
@@ -97,13 +97,14 @@ struct SimulatorRenderer::Footprint {
   float in_rectangle(const Vec2& p, float a, float b) const {
     return in_strip(a, p.x(), Vec2(1, 0)) * in_strip(b, p.y(), Vec2(0, 1));
   }
-  /// Share of the pixel whose line of sight, which runs from `p` to `q` in the plan, meets a robot's outline.
+  /// Fraction of the pixel whose line of sight meets a robot's outline; seen from above, the line runs from
+  /// `p` to `q`.
   float in_outline(const Vec2& p, const Vec2& q, float radius, float front) const {
     const Vec2 d = q - p;
     const auto round = [&](float t) { return (p + t * d).norm() - radius; };
     const auto flat = [&](float t) { return p.x() + t * d.x() - front; };
-    // How far outside both edges it stays at least is the least of the greater of the two distances. Each has
-    // its own least one somewhere; between these the distances are equal.
+    // The line's distance from the outline is the minimum over t of the larger of the two edge distances. It
+    // lies at the minimum of one of them, or between these two minima, where both distances are equal.
     const float roundest = std::clamp(-p.dot(d) / std::max(d.squaredNorm(), 1e-6F), 0.0F, 1.0F);
     const Vec2 nearest = p + roundest * d;
     const float r2 = nearest.squaredNorm();
@@ -126,11 +127,12 @@ struct SimulatorRenderer::Footprint {
     const Vec2 outwards = (p + t * d).normalized();
     return below(0, round(t), outwards);
   }
-  /// Share of the pixel where v < limit; `v` and its change per mm along the plane's axes are given.
+  /// Fraction of the pixel where v < limit; `gradient` is the change of `v` per mm along the plane's axes.
   float below(float limit, float v, const Vec2& gradient) const {
     return covered(limit - v, gradient.dot(dx), gradient.dot(dy));
   }
-  /// Share of the pixel within `half_width` of a line; `v` is the distance from it.
+  /// Fraction of the pixel within `half_width` of a line; `v` is the distance of the pixel's centre from the
+  /// line.
   float in_strip(float half_width, float v, const Vec2& gradient) const {
     if (std::abs(v) >= half_width + reach) return 0;
     return below(half_width, v, gradient) - below(-half_width, v, gradient);
@@ -138,14 +140,14 @@ struct SimulatorRenderer::Footprint {
 };
 
 struct SimulatorRenderer::Spot {
-  DrawnBox box;  // also beyond the image; empty when the camera cannot see there
+  DrawnBox box;  // may extend beyond the image; empty if the camera cannot see the disc
   Vec2 middle;
-  float reach_px;  // all of the disc is nearer to the middle
+  float reach_px;  // maximum distance of the disc from the middle
 };
 
 struct SimulatorRenderer::Coat {
   float opacity = 0;
-  float r = 0, g = 0, b = 0;  // already weighted by how much of the pixel they cover
+  float r = 0, g = 0, b = 0;  // light of the paints, weighted by their coverage of the pixel
 
   void add(const Paint& paint, float share) {
     r += paint.r * share;
@@ -216,7 +218,7 @@ float SimulatorRenderer::lines_at(const Eigen::Vector2d& field_mm, const Footpri
     const float on_width =
         footprint.in_strip(half, static_cast<float>(rel.dot(across)), across.cast<float>());
     if (on_width <= 0) continue;
-    // The paint ends half a width beyond the end points, so that corners are square.
+    // The paint extends half a width beyond the end points, so that corners are square.
     const float on_length = footprint.in_strip(static_cast<float>(length) / 2 + half,
                                                static_cast<float>(rel.dot(along)), along.cast<float>());
     share = std::max(share, on_width * on_length);
@@ -242,9 +244,9 @@ Paint SimulatorRenderer::floor_at(const Eigen::Vector2d& p, const Footprint& foo
   return shade == 1 ? color : color.scaled(shade);
 }
 
-/// A pixel's colour where boards are in front of the floor.
+/// The colour of a pixel in which boards hide the floor; nothing if no board hides it.
 std::optional<Paint> SimulatorRenderer::boards_at(int x, int y, const Paint& floor) const {
-  constexpr int kSamples = 2;  // in each direction: letters and edges are small
+  constexpr int kSamples = 2;  // samples per direction, because letters and edges are small
   Paint sum{0, 0, 0};
   int hits = 0;
   for (int i = 0; i < kSamples * kSamples; ++i) {
@@ -287,7 +289,7 @@ LightPicture SimulatorRenderer::background(const SimulatedScene& scene) const {
 }
 
 SimulatorRenderer::Spot SimulatorRenderer::spot_of(const Eigen::Vector3d& center_mm, double radius_mm) const {
-  // An octagon round the disc.
+  // An octagon around the disc.
   static const auto kCorners = [] {
     std::array<Eigen::Vector3d, 8> out;
     for (std::size_t i = 0; i < out.size(); ++i) {
@@ -317,7 +319,7 @@ SimulatorRenderer::Spot SimulatorRenderer::spot_of(const Eigen::Vector3d& center
   return spot;
 }
 
-/// Of a disc wherever a row may see it.
+/// The bounding box of a disc at the read-out times of all rows.
 DrawnBox SimulatorRenderer::box_of(const Eigen::Vector3d& center_mm, double radius_mm,
                                    const SimulatorMotion* motion) const {
   if (motion == nullptr) return spot_of(center_mm, radius_mm).box;
@@ -345,10 +347,10 @@ void SimulatorRenderer::paint(const DrawnBox& box, double height_mm, std::span<c
   const float weight = 1 / static_cast<float>(shapes.size());
   const Footprint plane =
       footprint_at({0.5 * (box.left + box.right - 1), 0.5 * (box.top + box.bottom - 1)}, height_mm);
-  // It changes little over a box, and only the width of soft edges depends on it.
+  // The footprint changes little over a box, and affects only the width of soft edges.
   boost::container::static_vector<Footprint, kMaxMoments> footprints;
   for (const Shape& shape : shapes) footprints.emplace_back(shape.into(plane.dx), shape.into(plane.dy));
-  boost::container::static_vector<Shape, kMaxMoments> in_row;  // where things are when it is read out
+  boost::container::static_vector<Shape, kMaxMoments> in_row;  // the shapes at the row's read-out time
   if (motion != nullptr) in_row.assign(shapes.begin(), shapes.end());
   const std::span<const Shape> seen = motion != nullptr ? std::span(in_row.data(), in_row.size()) : shapes;
   const auto red = static_cast<float>(options_.red_gain), blue = static_cast<float>(options_.blue_gain);
@@ -378,7 +380,7 @@ void SimulatorRenderer::paint(const DrawnBox& box, double height_mm, std::span<c
   }
 }
 
-/// Returns the box it drew in, which may be empty.
+/// Returns the box that was drawn, which may be empty.
 DrawnBox SimulatorRenderer::draw_distractor(const SimulatedDistractor& d, LightPicture& picture) const {
   const auto a = static_cast<float>(d.length_mm / 2), b = static_cast<float>(d.width_mm / 2);
   const DrawnBox box = in_picture(spot_of({d.x_mm, d.y_mm, 0}, std::hypot(a, b)).box);
@@ -390,7 +392,7 @@ DrawnBox SimulatorRenderer::draw_distractor(const SimulatedDistractor& d, LightP
       case SimulatedDistractor::Shape::kEllipse: return footprint.in_ellipse(p, a, b);
       case SimulatedDistractor::Shape::kRectangle: return footprint.in_rectangle(p, a, b);
       case SimulatedDistractor::Shape::kTriangle: {
-        // The base lies at -a, the tip at a.
+        // The base is at -a, the tip at a.
         const Vec2 side = Vec2(b, 2 * a).normalized(), other(side.x(), -side.y());
         const float limit = side.x() * a;
         return footprint.below(a, -p.x(), Vec2(-1, 0)) * footprint.below(limit, p.dot(side), side) *
@@ -439,7 +441,7 @@ void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std:
   const SimulatedPrints::Colors& colors = prints_.of(robot.team, robot.id);
   const Paint& team = colors[robot.team == Team::kBlue ? label::kBlue : label::kYellow];
   const Eigen::Vector3d& eye = camera_.position_mm();
-  if (eye.z() <= robot.height_mm) return;  // no top to be seen
+  if (eye.z() <= robot.height_mm) return;  // the top is not visible
   const auto down = static_cast<float>(robot.height_mm / (eye.z() - robot.height_mm));
   const auto code = std::find_if(patterns_.codes.begin(), patterns_.codes.end(),
                                  [&](const PatternTable::Code& c) { return c.id == robot.id; });
@@ -468,7 +470,7 @@ void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std:
   const auto coat_of = [&](const Vec2& p, const Footprint& footprint, const Shape& shape, Coat& coat) {
     float lid = footprint.in_disc(p, radius);
     if (lid > 0 && p.x() > front - footprint.reach) lid *= footprint.below(front, p.x(), Vec2(1, 0));
-    // The line of sight goes on from the top's plane to the floor.
+    // The line of sight continues from the top's plane to the floor.
     const float body = lid < 1 ? footprint.in_outline(p, p + down * (p - shape.eye), radius, front) : 1;
     if (lid <= 0) {
       coat.add(kRobotSide, body);
@@ -489,14 +491,15 @@ void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std:
       print(p - center, static_cast<float>(patterns_.dots[dot].diameter_mm) / 2,
             is_covered ? kRobotTop : colors[code->colors[dot]]);
     }
-    // Dots lie inside the outline, so what they leave of the top's share is black, also where both edges
-    // cross a pixel.
+    // Dots lie inside the outline, so the rest of the top's coverage is black, even where both edges cross a
+    // pixel.
     coat.add(kRobotTop, std::max(0.0F, lid - printed));
     const float above = std::max(lid, std::min(printed, 1.0F));
     coat.add(kRobotSide, std::max(0.0F, body - above));
     coat.opacity += std::max(above, body);
   };
-  // Much of a box that lies askew shows nothing of a robot that stands still.
+  // If the robot is at rest, skip the pixels of its box that it cannot cover: most of them if it lies
+  // diagonally in the box.
   const Vec2 along = foot.middle - top.middle;
   const float length2 = std::max(along.squaredNorm(), 1e-6F);
   const float reach_px = shapes.size() > 1 || motion != nullptr ? std::numeric_limits<float>::infinity()
@@ -509,15 +512,16 @@ void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std:
   paint(box, robot.height_mm, {shapes.data(), shapes.size()}, coat_of, may_show, picture, motion);
 }
 
-/// What lamps above leave dark on the floor round a thing: most below it, a little away from the two nearest
-/// lamps.
+/// The soft shadow of ceiling lamps on the floor around a thing: strongest below it, shifted slightly away
+/// from the two nearest lamps.
 template <class List>
 void SimulatorRenderer::draw_soft_shadow(std::span<const SimulatedScene> moments, List SimulatedScene::*list,
                                          std::size_t index, const SimulatorMotion* motion, double radius_mm,
                                          double height_mm, LightPicture& picture, Boxes& boxes) const {
   const auto radius = static_cast<float>(radius_mm), soft = static_cast<float>(0.8 * height_mm);
   const auto& middle = (moments.front().*list)[index];
-  // Half up its height, as the light from one side is gone there.
+  // Shifts of the shadow by the two nearest lamps: the offset of the shadow of a point at half the thing's
+  // height.
   std::array<Vec2, 2> away{};
   std::array<double, 2> nearest{1e300, 1e300};
   for (const Eigen::Vector3d& lamp : lamps_.places_mm()) {
@@ -552,7 +556,7 @@ void SimulatorRenderer::draw_soft_shadow(std::span<const SimulatedScene> moments
         motion != nullptr ? &straight : nullptr);
 }
 
-/// The ball's shadow on the carpet: a darker ellipse away from the lamp.
+/// The ball's shadow on the carpet: a darker disc away from the lamp.
 void SimulatorRenderer::draw_shadow(std::span<const SimulatedScene> moments, std::size_t index,
                                     const SimulatorMotion* motion, float gloss, LightPicture& picture,
                                     Boxes& boxes) const {
@@ -579,7 +583,7 @@ void SimulatorRenderer::draw_ball(std::span<const SimulatedScene> moments, std::
                                   const SimulatorMotion* motion, LightPicture& picture, Boxes& boxes) const {
   const auto radius = static_cast<float>(field_.ball_radius);
   const Eigen::Vector3d& eye = camera_.position_mm();
-  Eigen::Vector3f sight = Eigen::Vector3f::Zero();  // from the camera
+  Eigen::Vector3f sight = Eigen::Vector3f::Zero();  // direction from the camera
   boost::container::static_vector<Shape, kMaxMoments> shapes;
   DrawnBox box{};
   for (const SimulatedScene& moment : moments) {
@@ -596,8 +600,8 @@ void SimulatorRenderer::draw_ball(std::span<const SimulatedScene> moments, std::
   const auto gloss = static_cast<float>(options_.ball_gloss);
   if (gloss > 0) draw_shadow(moments, index, motion, gloss, picture, boxes);
   const Eigen::Vector3f halfway = (kLampDirection - sight).normalized();  // mirrors the lamp into the camera
-  // A ray that meets the plane of the ball's centre at p passes the centre at |p - n (n p)|; n, its
-  // direction, hardly changes over a ball.
+  // A ray that crosses the plane of the ball's centre at p passes the centre at distance |p - n (n p)|. The
+  // ray's direction n is nearly constant over a ball.
   const auto coat_of = [&](const Vec2& p, const Footprint& footprint, const Shape& /*shape*/, Coat& coat) {
     const Eigen::Vector3f nearest = Eigen::Vector3f(p.x(), p.y(), 0) - sight * sight.head<2>().dot(p);
     const float distance = std::max(nearest.norm(), 1e-6F);
@@ -605,7 +609,7 @@ void SimulatorRenderer::draw_ball(std::span<const SimulatedScene> moments, std::
     const float share = covered(radius - distance, outwards.dot(footprint.dx), outwards.dot(footprint.dy));
     const float depth = std::sqrt(std::max(0.0F, radius * radius - distance * distance));
     const Eigen::Vector3f normal = (nearest - sight * depth) / radius;
-    // Lit evenly from above: brightest where its surface is level.
+    // Evenly lit from above: brightest where the surface is horizontal.
     const float even = 0.7F + 0.35F * std::max(0.0F, normal.z());
     const float lamp = 0.5F + 0.6F * std::max(0.0F, normal.dot(kLampDirection));
     const float spot = gloss * std::pow(std::max(0.0F, normal.dot(halfway)), 8.0F);
@@ -642,8 +646,8 @@ void SimulatorRenderer::draw(std::span<const SimulatedScene> moments, LightPictu
                        2 * field_.ball_radius, picture, boxes);
     }
   }
-  // Of two things the one nearer to the camera's foot can hide the other. For discs, nearer is the one to
-  // which the tangent is shorter.
+  // Draw distant things first: only a thing closer to the point below the camera can hide another. For discs,
+  // closer means a shorter tangent.
   struct Thing {
     double tangent2_mm2;
     std::size_t index;

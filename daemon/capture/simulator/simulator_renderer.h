@@ -22,9 +22,9 @@
 
 namespace sslv {
 
-/// Draws what the camera sees: carpet and lines, what is around, distractors, balls, robots: dark upright
-/// prisms with their patterns on top. Every pixel goes through the camera model by itself and is covered by
-/// edges exactly (the share of its square that lies inside), so a drawn dot's centre is right within a
+/// Draws what the camera sees: carpet and lines, surroundings, distractors, balls, and robots as dark upright
+/// prisms with their patterns on top. Each pixel is unprojected by the camera model, and its coverage by
+/// edges is exact (the fraction of its square that lies inside), so a drawn dot's centre is accurate to a
 /// hundredth of a pixel.
 class SimulatorRenderer {
  public:
@@ -33,30 +33,30 @@ class SimulatorRenderer {
                                                               3 * SimulatedScene::kMaxBalls +
                                                               SimulatedScene::kMaxDistractors>;
 
-  /// `patterns` must have every id that will be drawn.
+  /// `patterns` must contain every id that will be drawn.
   SimulatorRenderer(const SimulatorOptions& options, const FieldSize& field, const CameraModel& camera,
                     const PatternTable& patterns);
 
-  /// The hall and the field, and of the scene only the distractors.
+  /// Draws the hall, the field and the scene's distractors, but no robots and balls.
   LightPicture background(const SimulatedScene& scene) const;
 
-  /// Draws robots and balls over `picture`, and distractors unless they lie still and so are in the
-  /// background already: the average of the moments (of one world) when there are several (up to
-  /// kMaxMoments). Names the boxes it drew in. With motions, which rolling_shutter_ms needs, each row sees
-  /// things where they are when it is read out.
+  /// Draws robots and balls over `picture`, and distractors unless they are static and so already in the
+  /// background. Several moments of one world (up to kMaxMoments) are averaged. Sets `boxes` to the regions
+  /// that were drawn. With `motions`, which rolling_shutter_ms requires, each row shows things at its own
+  /// read-out time.
   void draw(std::span<const SimulatedScene> moments, LightPicture& picture, Boxes& boxes,
             const SimulatorMotions* motions = nullptr) const noexcept;
 
-  /// When a row is read out, from the image's time on.
+  /// Read-out time of a row, in s relative to the image's time.
   double row_delay_s(double y) const;
 
  private:
-  struct Footprint;  // how the field moves under one pixel
-  struct Shape;      // where a thing is
-  struct Coat;       // what of a pixel a thing covers, and with which light
+  struct Footprint;  // change of the field position over one pixel
+  struct Shape;      // position and orientation of a thing
+  struct Coat;       // coverage of a pixel by a thing, and its light
   struct Spot;       // the pixels that may show a flat disc
 
-  /// The lamps' light on the floor, kept for a grid of pixels because it changes slowly.
+  /// The lamps' light on the floor, sampled on a grid of pixels because it changes slowly.
   class LampGrid {
    public:
     LampGrid(const SimulatedLamps& lamps, const CameraModel& camera, int width, int height);

@@ -13,14 +13,14 @@
 namespace sslv {
 namespace {
 
-constexpr double kTwoPi = 2 * std::numbers::pi;
+constexpr double kTurnRad = 2 * std::numbers::pi;
 
 double reach_mm(const SimulatedDistractor& d) {
   return std::hypot(d.length_mm, d.width_mm) / 2;
 }
 
-/// Puts one thing after the other at a random place that is still free. Each keep-clear rule is looked at
-/// when the later of the two comes, so the order is: what is hard to place first.
+/// Places one thing after the other at a random free position. Each gap is checked when the later of the two
+/// things is placed, so things that are hard to place come first.
 class Filler {
  public:
   Filler(const SimulatorOptions& options, const FieldSize& field,
@@ -57,14 +57,14 @@ class Filler {
  private:
   template <class Place>
   static bool try_often(const Place& place) {
-    constexpr int kAttempts = 2000;  // of which all but the last of a crowd need a few
+    constexpr int kAttempts = 2000;  // only the last things on a crowded field need more than a few
     for (int i = 0; i < kAttempts; ++i) {
       if (place()) return true;
     }
     return false;
   }
 
-  /// Uniform over the field inside its lines, `x_mm` and `y_mm` away from them.
+  /// Uniform over the field inside its lines, at least `x_mm` and `y_mm` away from them.
   Eigen::Vector2d anywhere(double x_mm, double y_mm) {
     const double half_x = std::max(0.0, field_.field_length / 2.0 - x_mm);
     const double half_y = std::max(0.0, field_.field_width / 2.0 - y_mm);
@@ -84,8 +84,8 @@ class Filler {
     });
   }
 
-  /// No closer than the clearance to robots; free of balls, and between none of them and the camera. While
-  /// robots are placed, there are hidden balls only.
+  /// Whether the robot keeps its distance from robots and balls, and is not between a ball and the camera.
+  /// While robots are being placed, the only balls are balls hidden by robots.
   bool robot_fits(std::size_t index, const Eigen::Vector2d& place) const {
     return inside_lines(place, radius_mm_) &&
            clear_of(slot_.scene.robots, place,
@@ -109,7 +109,7 @@ class Filler {
                     [&](const SimulatedBall&) { return 2 * ball_mm_ + SimulatorScatter::kBallClearanceMm; });
   }
 
-  /// Whether a robot could hide some of a ball.
+  /// Whether a robot could partly hide a ball.
   bool comes_between(const Eigen::Vector2d& robot, double height_mm, const Eigen::Vector2d& ball) const {
     const Eigen::Vector2d seen_through = ball + sight_share(height_mm) * (foot() - ball);
     const Eigen::Vector2d along = seen_through - ball;
@@ -122,7 +122,8 @@ class Filler {
     const auto [team, id] = roster_[index];
     return print_height_mm(options_.hall, team, id, robot_height_mm_[static_cast<std::size_t>(team)]);
   }
-  /// How far up the line of sight from a ball to the camera the plane of a top lies.
+  /// Fraction of the line of sight from a ball to the camera at which the line crosses the plane of a robot's
+  /// top.
   double sight_share(double height_mm) const {
     return (height_mm - ball_mm_) / (camera_->position_mm().z() - ball_mm_);
   }
@@ -155,7 +156,7 @@ class Filler {
     return true;
   }
 
-  /// The two move together.
+  /// The two robots move together.
   bool place_pair(std::size_t first) {
     const double angle = random_.angle();
     const Eigen::Vector2d half =
@@ -190,8 +191,8 @@ class Filler {
     return true;
   }
 
-  /// Where a ball is hidden by the wanted share, straight away from the camera's foot; nothing when the
-  /// camera looks too steeply.
+  /// The position of a ball behind the robot, as seen from the point below the camera, at which the wanted
+  /// fraction of the ball is hidden; nothing if the camera looks down too steeply.
   std::optional<Eigen::Vector2d> ball_behind(const SimulatedRobot& robot) const {
     if (robot.height_mm <= ball_mm_ || robot.height_mm >= camera_->position_mm().z()) return std::nullopt;
     const Eigen::Vector2d center(robot.x_mm, robot.y_mm);
@@ -222,8 +223,8 @@ class Filler {
   bool wholly_in_picture(const Eigen::Vector2d& ball) const {
     constexpr int kPoints = 8;
     for (int i = 0; i < kPoints; ++i) {
-      const double angle = i * kTwoPi / kPoints;
-      // A little more than the ball, as a polygon's corners stand for the whole rim.
+      const double angle = i * kTurnRad / kPoints;
+      // Slightly larger than the ball: the polygon's corners represent the whole rim.
       const Eigen::Vector2d rim = ball + 1.2 * ball_mm_ * Eigen::Vector2d(std::cos(angle), std::sin(angle));
       const auto pixel = camera_->project({rim.x(), rim.y(), ball_mm_});
       if (!pixel || pixel->x() < 0 || pixel->y() < 0 || pixel->x() > options_.width - 1 ||

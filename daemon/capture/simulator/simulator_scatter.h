@@ -10,32 +10,32 @@
 
 namespace sslv {
 
-/// Everything during one slot, and how it moves.
+/// All things during one slot, and their motion.
 struct SimulatorSlot {
   SimulatedScene scene;
   boost::container::static_vector<SimulatorMotion, SimulatedScene::kMaxRobots> robot_motion;
   boost::container::static_vector<SimulatorMotion, SimulatedScene::kMaxBalls> ball_motion;
-  const char* no_room_for = nullptr;  // option whose things did not all find a place
+  const char* no_room_for = nullptr;  // option of a thing that did not fit; null: all fit
 
-  /// Where everything is dt_s after the slot's middle.
+  /// The scene dt_s after the slot's middle.
   SimulatedScene at(double dt_s) const;
 };
 
-/// Everything at another random place in each slot of one frame period, apart from each other as said below.
-/// It moves only while an image is exposed. Should a slot have no place for something, which is rare, it is
-/// left out.
+/// Places all things at new random positions in each slot of one frame period, with the gaps below. Things
+/// move only while an image is exposed. In the rare case that a slot has no space for a thing, the thing is
+/// omitted.
 class SimulatorScatter {
  public:
-  // Least gaps that differ from kSimulatorClearanceMm. A ball's to robots and other balls; the robot that it
-  // hides behind may be nearer.
+  // Minimum gaps that differ from kSimulatorClearanceMm. kBallClearanceMm is the gap from a ball to robots
+  // and other balls, except to the robot that hides the ball.
   static constexpr double kBallClearanceMm = 60;
   static constexpr double kDistractorToBallMm = 40, kBetweenDistractorsMm = 10;
 
-  /// Throws SettingsError when there is no room for all of them, or hidden_balls without a camera.
+  /// Throws SettingsError if there is no space for all things, or for hidden_balls without a camera.
   SimulatorScatter(const SimulatorOptions& options, const FieldSize& field,
                    const std::array<double, 2>& robot_height_mm, const std::optional<CameraModel>& camera);
 
-  /// The slot that the Unix time t_s lies in.
+  /// The slot that contains Unix time t_s.
   SimulatorSlot slot_at(double t_s) const;
 
  private:

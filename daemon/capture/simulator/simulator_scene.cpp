@@ -33,7 +33,7 @@ bool hides(const SimulatedRobot& robot, double robot_radius_mm, const Eigen::Vec
   const Eigen::Rotation2Dd turn(-robot.orientation_rad);
   const Eigen::Vector2d from = turn * (point_mm.head<2>() - Eigen::Vector2d(robot.x_mm, robot.y_mm));
   const Eigen::Vector2d along = turn * (share * (eye_mm - point_mm).head<2>());
-  // The part of it that is not in front of the front.
+  // The section of that line that is not beyond the flat front.
   const double front_mm = robot_radius_mm * kRobotFrontPerRadius;
   double begin = 0, end = 1;
   if (along.x() == 0) {
@@ -88,7 +88,7 @@ PerRobot<std::optional<int>> choose_covered_dots(std::size_t robots, int covered
 
 SimulatedDistractor make_distractor(SimulatorRandom& random) {
   constexpr double kMinMm = 15, kMaxMm = 250;
-  // Small ones as often as large ones.
+  // Log-uniform: small sizes are as frequent as large ones.
   const auto size_mm = [&](double least, double most) {
     return std::min(most, least * std::exp(random.uniform(0, std::log(most / least))));
   };

@@ -20,7 +20,7 @@
 
 namespace sslv {
 
-/// What things are painted with: the labels' colours, and these.
+/// Colours of things, in addition to the colours of the labels.
 namespace paint {
 inline constexpr std::uint8_t kRed = label::kCount, kPurple = kRed + 1, kBrown = kRed + 2, kSkin = kRed + 3,
                               kCount = kRed + 4;
@@ -30,22 +30,22 @@ struct SimulatedRobot {
   Team team;
   int id;
   double x_mm, y_mm, orientation_rad, height_mm;  // as in Robot (vision/detections.h)
-  std::optional<int> covered_dot{};               // this side dot is as black as the top
+  std::optional<int> covered_dot{};               // this side dot is black like the top
 };
 struct SimulatedBall {
   double x_mm, y_mm;
 };
-/// A thing that lies flat on the carpet. An orange or red one is never as long and wide as a ball, so a
-/// detector that takes it for one is wrong.
+/// A flat thing on the carpet. An orange or red one never has both length and width of a ball, so a detector
+/// that reports it as a ball is wrong.
 struct SimulatedDistractor {
-  enum class Shape : std::uint8_t { kEllipse, kRectangle, kTriangle };  // discs and stripes are among these
+  enum class Shape : std::uint8_t { kEllipse, kRectangle, kTriangle };  // include discs and stripes
   Shape shape;
   std::uint8_t paint;
   double x_mm, y_mm, turn_rad;
   double length_mm, width_mm;  // along its own axes
 };
 
-/// Where everything is at one moment.
+/// The positions of all things at one moment.
 struct SimulatedScene {
   static constexpr std::size_t kMaxRobots = 32, kMaxBalls = 10, kMaxDistractors = 60;
   boost::container::static_vector<SimulatedRobot, kMaxRobots> robots;
@@ -53,7 +53,7 @@ struct SimulatedScene {
   boost::container::static_vector<SimulatedDistractor, kMaxDistractors> distractors;
 };
 
-/// How a thing moves on from where it is.
+/// Motion of a thing from its current position.
 struct SimulatorMotion {
   double x_mm_s, y_mm_s, turn_rad_s;
   double x_mm_s2 = 0, y_mm_s2 = 0, turn_rad_s2 = 0;
@@ -63,28 +63,28 @@ struct SimulatorMotion {
   }
   double turn_rad(double dt_s) const { return (turn_rad_s + turn_rad_s2 * dt_s / 2) * dt_s; }
 };
-/// How everything moves; in the order of the scene's lists.
+/// Motion of all things, in the order of the scene's lists.
 struct SimulatorMotions {
   boost::container::static_vector<SimulatorMotion, SimulatedScene::kMaxRobots> robots;
   boost::container::static_vector<SimulatorMotion, SimulatedScene::kMaxBalls> balls;
 };
 
-/// Where everything is dt_s later.
+/// The scene dt_s later.
 SimulatedScene moved(const SimulatedScene& scene, const SimulatorMotions& motions, double dt_s);
 
-/// A robot's outline is round but for its flat front.
+/// A robot's outline is a circle with a flat front.
 inline constexpr double kRobotFrontPerRadius = 55.0 / 90;
 
-/// Whether a robot, a prism from the floor to its top, hides a point lower than its top from an eye above.
+/// Whether a robot, a prism from the floor to its top, hides a point below its top from an eye above it.
 bool hides(const SimulatedRobot& robot, double robot_radius_mm, const Eigen::Vector3d& point_mm,
            const Eigen::Vector3d& eye_mm);
 
-/// Evenly spread over the unit disc.
+/// Points evenly spread over the unit disc.
 const std::array<Eigen::Vector2d, 256>& points_of_disc();
 
-// ---- what both placements need
+// ---- shared by both placements
 
-/// Least gap between any two things, but for those that a placement names.
+/// Minimum gap between any two things, unless a placement defines another.
 inline constexpr double kSimulatorClearanceMm = 8;
 
 template <class T>
@@ -93,19 +93,20 @@ using SimulatedRoster = PerRobot<std::pair<Team, int>>;  // team and id
 
 SimulatedRoster roster_of(const SimulatorOptions& options);
 
-/// Which image it is that has its time at the Unix time t_s.
+/// Number of the image whose time is Unix time t_s.
 std::int64_t picture_number(const SimulatorOptions& options, double t_s);
 
-/// For each robot the side dot of it that is covered, if any: `covered` of them, at random.
+/// The covered side dot of each robot. `covered` robots, chosen at random, have a covered dot, the other
+/// robots none.
 PerRobot<std::optional<int>> choose_covered_dots(std::size_t robots, int covered, SimulatorRandom& random);
 
 /// A distractor at the field's centre.
 SimulatedDistractor make_distractor(SimulatorRandom& random);
 
-/// The same angle in (-pi, pi].
+/// The equivalent angle in (-pi, pi].
 double normalized(double angle_rad);
 
-/// For things that do not fit on the field; `key` is the option that asked for them.
+/// The error for things that do not fit on the field; `key` is the option that requested them.
 SettingsError no_room(std::string_view key, const SimulatorOptions& options, const FieldSize& field);
 
 template <class List>

@@ -11,18 +11,17 @@ namespace sslv {
 namespace {
 
 constexpr std::size_t kNoiseEntries = 1U << 16;
-constexpr std::size_t kBlockPx = 8;       // of JPEG
-constexpr std::size_t kBlockPairs = 512;  // to choose from
+constexpr std::size_t kBlockPx = 8;       // side of a JPEG block
+constexpr std::size_t kBlockPairs = 512;  // number of precomputed pairs of blocks
 
 std::uint8_t added(std::uint8_t sample, std::int8_t noise) {
   const auto sum = static_cast<std::int16_t>(sample + noise);
   return static_cast<std::uint8_t>(std::max<std::int16_t>(0, std::min<std::int16_t>(sum, 255)));
 }
 
-/// Adds with saturation.
 void add_saturated(const std::uint8_t* __restrict in, const std::int8_t* __restrict noise,
                    std::uint8_t* __restrict out, std::size_t count) {
-  constexpr std::size_t kBlock = 32;  // a length known beforehand: compilers then use vector instructions
+  constexpr std::size_t kBlock = 32;  // constant, so that compilers use vector instructions
   for (; count >= kBlock; count -= kBlock, in += kBlock, noise += kBlock, out += kBlock) {
     for (std::size_t i = 0; i < kBlock; ++i) out[i] = added(in[i], noise[i]);
   }
@@ -34,7 +33,7 @@ std::uint8_t byte(float value) {
   return static_cast<std::uint8_t>(up);
 }
 
-/// BT.601 full range, as image/color.h but without rounding.
+/// BT.601 full range, like image/color.h but without rounding.
 struct FloatYuv {
   float y, u, v;
   explicit FloatYuv(const float* rgb)
@@ -43,7 +42,7 @@ struct FloatYuv {
         v(0.713267F * (rgb[0] - y) + 128) {}
 };
 
-/// Where the samples of two pixels lie in a YUV image's unit of 4 bytes; U and V are theirs in common.
+/// Offsets of the samples of two pixels in a YUV image's unit of 4 bytes; the pixels share U and V.
 struct YuvUnit {
   std::size_t y0, u, y1, v;
 };
@@ -131,7 +130,7 @@ DrawnBox SimulatorSensor::reached_from(const DrawnBox& box) const {
           std::min(options_.height, box.bottom + blur)};
 }
 
-/// Row y of the box's columns, blurred sideways; at the rim the outermost pixel is repeated.
+/// Blurs row y of the box's columns horizontally; repeats the outermost pixel at the rim.
 void SimulatorSensor::blur_row(const LightPicture& light, const DrawnBox& box, int y, float* out) const {
   const int radius = static_cast<int>(kernel_.size()) - 1;
   const int row = std::clamp(y, 0, light.height - 1);
@@ -158,7 +157,7 @@ void SimulatorSensor::write_row(const float* rgb, const DrawnBox& box, int y, st
   const auto put = [&](int x, float value) {
     if (low == nullptr) {
       out[x] = byte(value);
-    } else {  // cut, not rounded, as cameras do
+    } else {  // truncated, not rounded, as in cameras
       const auto deep = static_cast<int>(256 * std::clamp(value, 0.0F, 255.0F));
       out[x] = static_cast<std::uint8_t>(deep >> 8);
       low[x] = static_cast<std::uint8_t>(deep);
@@ -200,7 +199,7 @@ void SimulatorSensor::write_row(const float* rgb, const DrawnBox& box, int y, st
   }
 }
 
-/// Hands over each row of the box after the lens.
+/// Calls `use` with each row of the box after the lens.
 template <class Use>
 void SimulatorSensor::blur(const LightPicture& light, const DrawnBox& box, const Use& use) {
   const int radius = static_cast<int>(kernel_.size()) - 1;
@@ -225,9 +224,9 @@ void SimulatorSensor::blur(const LightPicture& light, const DrawnBox& box, const
   }
 }
 
-/// From light to bytes; `rgb` is spent.
+/// Converts a row of light to bytes; modifies `rgb`.
 void SimulatorSensor::expose_row(float* rgb, const DrawnBox& box, int y, std::uint8_t* picture) const {
-  // A pixel's well is full at 255, before any mixing of colours.
+  // Pixels saturate at 255, before any mixing of colours.
   std::array<float, 3> gains = gains_;
   for (float& gain : gains) gain *= row_gains_[static_cast<std::size_t>(y)];
   const auto row_floats = 3 * static_cast<std::size_t>(box.right - box.left);
@@ -245,7 +244,7 @@ std::vector<float> SimulatorSensor::blurred(const LightPicture& light) {
   std::vector<float> out(light.rgb.size());
   float* to = out.data();
   const auto row_floats = 3 * static_cast<std::size_t>(light.width);
-  constexpr int kBandRows = 64;  // to need less memory
+  constexpr int kBandRows = 64;  // limits the memory for rows_
   for (int top = 0; top < light.height; top += kBandRows) {
     const DrawnBox band{0, top, light.width, std::min(light.height, top + kBandRows)};
     blur(light, band, [&](int /*y*/, const float* rgb) { to = std::copy_n(rgb, row_floats, to); });
@@ -282,7 +281,7 @@ void SimulatorSensor::add_noise(const std::uint8_t* clean, std::uint8_t* noisy) 
   }
 }
 
-/// A sample has no more bits than asked for once the noise is in it.
+/// Also truncates each noisy sample to the camera's bit depth.
 void SimulatorSensor::add_deep_noise(const std::uint8_t* clean, std::uint8_t* noisy) {
   const std::size_t plane = plane_bytes();
   const auto row_samples = static_cast<std::size_t>(options_.width);
@@ -300,7 +299,8 @@ void SimulatorSensor::add_deep_noise(const std::uint8_t* clean, std::uint8_t* no
   }
 }
 
-/// Blocks whose coarsest frequencies are wrong, as after quantising; colours are kept for two in common.
+/// Precomputes errors in the lowest frequencies of blocks, like those of JPEG quantisation. The two blocks of
+/// a pair share a colour error.
 void SimulatorSensor::fill_block_noise() {
   constexpr std::size_t kPairPx = 2 * kBlockPx;
   const auto pixel_bytes = static_cast<std::size_t>(bytes_per_pixel(options_.pixel_format));
@@ -372,7 +372,7 @@ void SimulatorSensor::place_hot_pixels(std::uint64_t stream) {
   for (long long i = 0; i < count; ++i) {
     const auto x = static_cast<std::size_t>(random.bits() % static_cast<std::uint64_t>(options_.width));
     const auto y = static_cast<std::size_t>(random.bits() % static_cast<std::uint64_t>(options_.height));
-    // Few are hot by much.
+    // Few hot pixels are much too bright.
     const double excess = 40 * std::exp(random.uniform(0, 1.6));
     const auto color = static_cast<std::size_t>(random.bits() % 3);
     const std::size_t pixel = y * static_cast<std::size_t>(options_.width) + x;

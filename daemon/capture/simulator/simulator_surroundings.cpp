@@ -11,7 +11,7 @@
 namespace sslv {
 namespace {
 
-constexpr double kBoardGapMm = 20, kBoardThickMm = 18;  // from the carpet's edge
+constexpr double kBoardGapMm = 20, kBoardThickMm = 18;  // gap between carpet and boards; thickness of a board
 constexpr Paint kGreyFloor{92, 88, 84}, kDarkFloor{50, 50, 53}, kWoodFloor{150, 108, 68};
 constexpr Paint kWhite{212, 212, 207}, kBlack{26, 26, 29}, kSkin{224, 172, 140}, kOrange{236, 104, 28};
 constexpr std::array<Paint, 9> kBoardPaints{{kOrange,
@@ -33,12 +33,12 @@ constexpr std::array<Paint, 9> kClothPaints{{{40, 44, 60},
                                              {206, 70, 130},
                                              {44, 120, 66}}};
 
-/// What of a board's height or a letter's cell is free at its rim.
+/// Empty margin, as a fraction of a board's height or of a letter's cell.
 constexpr double kMargin = 0.2;
 
 }  // namespace
 
-/// Goes round the field with a seed and puts things down.
+/// Places the surroundings according to the seed.
 class SimulatedSurroundings::Furnisher {
  public:
   Furnisher(SimulatedSurroundings& out, const HallOptions& hall, const FieldSize& field)
@@ -94,7 +94,7 @@ class SimulatedSurroundings::Furnisher {
 
   void stack(bool is_round, const Eigen::Vector2d& at, double turn_rad, double half_length_mm,
              double half_width_mm, double from_mm, double to_mm, const Paint& paint, double step_mm = 25) {
-    // Sides get less light than the top, and the foot least.
+    // Sides get less light than the top, and least light at the bottom.
     const int steps = std::max(1, static_cast<int>(std::lround((to_mm - from_mm) / step_mm)));
     for (int i = 0; i <= steps; ++i) {
       const double up = static_cast<double>(i) / steps;
@@ -113,7 +113,7 @@ class SimulatedSurroundings::Furnisher {
     constexpr std::array<Kind, 12> kOften{kCone, kCone,   kCone, kCable, kCable,  kCable,
                                           kBag,  kBottle, kTape, kTape,  kLaptop, kPaper};
     const Spot spot = anywhere();
-    // Most are beside the carpet.
+    // Most things lie beside the carpet.
     double off_mm = random_.uniform(130, 800);
     const double turn = random_.angle();
     constexpr double kMinMarginMm = 200;  // so that no thing reaches the lines
@@ -163,14 +163,14 @@ class SimulatedSurroundings::Furnisher {
     }
   }
 
-  /// It winds along the rim, never further in than half of the margin.
+  /// A cable that winds along the carpet's rim, and lies on at most the outer half of the margin.
   void put_cable(const Spot& spot, double off_mm) {
     constexpr std::array<Paint, 5> kSheaths{
         {kBlack, kOrange, {220, 190, 40}, {30, 70, 170}, {150, 150, 150}}};
     const Paint sheath = any(kSheaths);
     const double piece_mm = 60, half_width_mm = random_.uniform(3, 7);
     double heading = random_.uniform(-0.6, 0.6) + (random_.bits() % 2 == 0 ? 0 : std::numbers::pi);
-    Eigen::Vector2d at(off_mm, 0);  // outwards, along
+    Eigen::Vector2d at(off_mm, 0);  // coordinates: outwards from the rim, along the rim
     for (auto pieces = 10 + random_.bits() % 40; pieces > 0; --pieces) {
       heading += random_.uniform(-0.35, 0.35);
       if (at.x() < -0.3 * margin_mm_) heading -= 0.3 * std::sin(heading - std::numbers::pi / 2);
@@ -200,7 +200,7 @@ class SimulatedSurroundings::Furnisher {
     if (random_.uniform(0, 1) < 0.6) put_arm(spot, off_mm, shirt);
   }
 
-  /// Reaches over the rim, for a ball perhaps.
+  /// An arm that reaches over the rim, as if for a ball.
   void put_arm(const Spot& spot, double off_mm, const Paint& sleeve) {
     constexpr int kSteps = 30;
     const double side_mm = random_.bits() % 2 == 0 ? 190 : -190;
@@ -221,7 +221,7 @@ class SimulatedSurroundings::Furnisher {
 
   SimulatedSurroundings& out_;
   SimulatorRandom random_;
-  double margin_mm_;  // of carpet outside the lines
+  double margin_mm_;  // width of the carpet outside the lines
 };
 
 SimulatedSurroundings::SimulatedSurroundings(const HallOptions& hall, const FieldSize& field)
@@ -279,7 +279,7 @@ bool SimulatedSurroundings::is_behind_boards(const Eigen::Vector2d& p) const {
   return std::abs(p.x()) > half_boards_mm_[0] || std::abs(p.y()) > half_boards_mm_[1];
 }
 
-/// A round logo, then words of made-up letters.
+/// The colour of a board's face: a round logo, then words of invented letters.
 Paint SimulatedSurroundings::face_of(const Board& board, double along_mm, double up_mm) const {
   const double u = (along_mm - board.from_mm) / board_height_mm_, v = up_mm / board_height_mm_;
   const auto light = static_cast<float>(0.62 + 0.2 * v);
@@ -308,7 +308,7 @@ std::optional<Paint> SimulatedSurroundings::board_before(const Eigen::Vector2d& 
     const double sign = p[axis] < 0 ? -1 : 1;
     const double floor_mm = sign * p[axis], from_mm = sign * eye_mm[axis];
     if (floor_mm <= plane_mm || from_mm >= plane_mm) continue;
-    // How far up the line of sight it crosses the board's plane.
+    // Fraction of the line of sight at which the line crosses the board's plane.
     const double share = (floor_mm - plane_mm) / (floor_mm - from_mm), up_mm = share * eye_mm.z();
     const double along_mm = p[1 - axis] + share * (eye_mm[1 - axis] - p[1 - axis]);
     if (share < nearest) continue;

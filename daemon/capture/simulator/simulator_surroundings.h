@@ -15,11 +15,11 @@
 
 namespace sslv {
 
-/// What is beside the carpet or at its rim, and stands still: floor, advertising boards, things, people. All
-/// of it is outside the field's lines.
+/// Everything static beside the carpet or on its rim: floor, advertising boards, things, people. All of it is
+/// outside the field's lines.
 class SimulatedSurroundings {
  public:
-  /// A thin level piece of a thing; things are stacks of them, the lowest first.
+  /// A thin horizontal slice of a thing; a thing is a stack of slices, the lowest first.
   struct Slice {
     bool is_round;
     Eigen::Vector3d center_mm;
@@ -36,7 +36,7 @@ class SimulatedSurroundings {
   Paint floor_at(const Eigen::Vector2d& field_mm) const;
   /// Factor on the light at a place on the floor or carpet.
   float shade_at(const Eigen::Vector2d& field_mm) const;
-  /// The board that hides a place on the floor from an eye, if any.
+  /// The colour of the board that hides a place on the floor from an eye, if any.
   std::optional<Paint> board_before(const Eigen::Vector2d& floor_mm, const Eigen::Vector3d& eye_mm) const;
   bool has_boards() const { return !boards_.empty(); }
   /// Whether a place is on the far side of the boards.
@@ -45,8 +45,8 @@ class SimulatedSurroundings {
 
  private:
   struct Board {
-    int axis;     // across it: 0: x, 1: y
-    double sign;  // the side of the field
+    int axis;     // axis of its normal: 0: x, 1: y
+    double sign;  // side of the field: -1 or 1
     double from_mm, to_mm;
     Paint face, letters, logo;
     std::uint64_t text;
@@ -55,7 +55,7 @@ class SimulatedSurroundings {
     Eigen::Vector2d middle_mm;
     float reach_mm;
   };
-  class Furnisher;  // who puts things there
+  class Furnisher;  // places boards, things and people
 
   const Board* board_at(int axis, double sign, double along_mm) const;
   Paint face_of(const Board& board, double along_mm, double up_mm) const;

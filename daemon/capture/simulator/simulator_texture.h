@@ -16,8 +16,8 @@ inline float lattice_value(double column, double row, std::uint64_t layer) {
   return static_cast<float>(scatter((i << 32) ^ (j & 0xffffffffU) ^ (layer << 60)) >> 40) * 0x1p-24F - 0.5F;
 }
 
-/// Noise in [-0.5, 0.5] over a lattice of `cell_mm`, straight between its corners or, smooth, without edges.
-/// Layers (below 16) have nothing in common.
+/// Noise in [-0.5, 0.5] on a lattice of spacing `cell_mm`, interpolated linearly or, if `smooth`, without
+/// edges. Layers (below 16) are independent.
 inline float lattice_noise(double x_mm, double y_mm, double cell_mm, std::uint64_t layer,
                            bool smooth = false) {
   const double x = x_mm / cell_mm, y = y_mm / cell_mm;
@@ -28,9 +28,9 @@ inline float lattice_noise(double x_mm, double y_mm, double cell_mm, std::uint64
          (lattice_value(x0, y0 + 1, layer) * (1 - fx) + lattice_value(x0 + 1, y0 + 1, layer) * fx) * fy;
 }
 
-/// Patches about as large as `size_mm`: mean 0, standard deviation 1, no farther from it than 3.
+/// Patches of about `size_mm`: mean 0, standard deviation 1, limited to [-3, 3].
 inline float patches(double x_mm, double y_mm, double size_mm, std::uint64_t layer) {
-  // Two lattices, the finer one askew, so that neither shows.
+  // Two lattices, the finer one rotated, so that no lattice is visible.
   const double u_mm = 0.8 * x_mm + 0.6 * y_mm, v_mm = -0.6 * x_mm + 0.8 * y_mm;
   const float sum = lattice_noise(x_mm, y_mm, size_mm, layer, true) +
                     0.6F * lattice_noise(u_mm, v_mm, 0.43 * size_mm, layer, true);
@@ -38,7 +38,7 @@ inline float patches(double x_mm, double y_mm, double size_mm, std::uint64_t lay
   return std::clamp(sum / kDeviation, -3.0F, 3.0F);
 }
 
-/// From 0 at `from` to 1 at `to`, without edges.
+/// A smooth step from 0 at `from` to 1 at `to`.
 inline float smooth_step(float from, float to, float value) {
   const float t = std::clamp((value - from) / (to - from), 0.0F, 1.0F);
   return t * t * (3 - 2 * t);

@@ -11,22 +11,24 @@
 
 namespace sslv {
 
-/// Where everything is: a function of the options and the time alone, so that all cameras with the same
-/// options agree and a test knows the truth. Distractors are under everything else.
+/// The positions of all things as a function of only the options and the time, so that all cameras with the
+/// same options agree and a test knows the ground truth. Distractors lie below everything else.
 class SimulatedWorld {
  public:
-  /// Balls are hidden from `camera`, so worlds with hidden_balls are not the same for all cameras. Throws
-  /// SettingsError when there is no room for all of them, or hidden_balls without a camera.
+  /// Balls are hidden from `camera`, so worlds with hidden_balls differ between cameras. Throws SettingsError
+  /// if there is no space for all things, or for hidden_balls without a camera.
   SimulatedWorld(const SimulatorOptions& options, const FieldSize& field,
                  const std::array<double, 2>& robot_height_mm, const CameraModel* camera = nullptr);
 
-  /// Everything's place at a Unix time. Orientations are in (-pi, pi]. In scatter, that in the slot's middle.
+  /// The scene at a Unix time; with scatter, the scene in the middle of the slot. Orientations are in (-pi,
+  /// pi].
   SimulatedScene at(double t_s) const;
 
-  /// The moments, evenly spread, of an exposure with its middle at t_s.
+  /// Fills `moments` with scenes evenly spaced over an exposure centred at t_s.
   void expose(double t_s, double exposure_s, std::span<SimulatedScene> moments) const;
 
-  /// How everything moves from t_s on, and before, by no more than reach_s.
+  /// Motion of all things around t_s, interpolated through their positions at t_s - reach_s, t_s and t_s +
+  /// reach_s.
   SimulatorMotions motions_at(double t_s, double reach_s) const;
 
  private:

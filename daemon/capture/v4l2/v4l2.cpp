@@ -24,7 +24,7 @@
 namespace sslv {
 namespace {
 
-struct Options {
+struct V4l2Options {
   std::string camera;
   std::uint32_t pixel_format = kV4l2AutoFormat;
   int width = 0, height = 0;
@@ -33,7 +33,7 @@ struct Options {
   double silence_s = 5;
   Json controls = Json::object();
   static constexpr auto fields() {
-    using O = Options;
+    using O = V4l2Options;
     return std::tuple{
         text("camera", &O::camera,
              "the camera's serial number, where it is plugged in (usb-0000:00:14.0-2), its name in "
@@ -53,8 +53,8 @@ struct Options {
   }
 };
 
-/// uvcvideo says that it stamps the beginning of the exposure, but takes the time when the first bytes come,
-/// unless it is told to trust the cameras' clocks (drivers/media/usb/uvc/uvc_video.c).
+/// uvcvideo claims to stamp the start of the exposure, but takes the time when the first bytes arrive, unless
+/// it is configured to trust the cameras' clocks (drivers/media/usb/uvc/uvc_video.c).
 bool stamps_first_bytes(const std::string& driver) {
   std::ifstream file("/sys/module/uvcvideo/parameters/hwtimestamps");
   char trusts_cameras = '0';
@@ -68,13 +68,13 @@ double seconds(const timeval& time) {
 
 class V4l2Source final : public Source {
  public:
-  V4l2Source(Options options, const V4l2System& system) : options_(std::move(options)) {
+  V4l2Source(V4l2Options options, const V4l2System& system) : options_(std::move(options)) {
     V4l2Node node = find_v4l2_node(system, options_.camera);
     device_ = std::move(node.device);
     label_ = options_.camera.empty() ? node.path : options_.camera;
     stamps_first_bytes_ = stamps_first_bytes(node.driver);
     controls_ = std::make_shared<V4l2Controls>(device_);
-    // First: some change what sizes and rates there are, and some can no longer be set once it delivers.
+    // Set controls first: some change the available sizes and rates, and some are locked while streaming.
     warnings_ = controls_->queue().open_with(options_.controls);
     format_ = set_v4l2_format(
         *device_, node.buffers,
@@ -132,13 +132,13 @@ class V4l2Source final : public Source {
   CaptureStatus nothing_came(std::string& problem) {
     if (const int error = stream_->queue_error(); error != 0)
       return mark_lost(problem, fmt::format("it does not take its buffers back: {}", errno_text(error)));
-    if (!stream_->can_deliver()) last_picture_ns_ = steady_ns();  // not its fault
+    if (!stream_->can_deliver()) last_picture_ns_ = steady_ns();  // all buffers lent: not the camera's fault
     if (static_cast<double>(steady_ns() - last_picture_ns_) * 1e-9 < options_.silence_s)
       return CaptureStatus::kTimeout;
     return mark_lost(problem, fmt::format("no image for {} s", options_.silence_s));
   }
 
-  /// Of an image with so many rows of so many bytes.
+  /// Whether all rows of the image arrived, and no more bytes than the buffer holds.
   bool is_whole(const V4l2Stream::Filled& filled, int rows, std::ptrdiff_t row_bytes,
                 std::string& problem) const {
     const std::ptrdiff_t needed = format_.stride_bytes * (rows - 1) + row_bytes;
@@ -159,14 +159,14 @@ class V4l2Source final : public Source {
     return CaptureStatus::kImage;
   }
 
-  /// NV12 becomes uyvy.
+  /// Converts NV12 to uyvy.
   CaptureStatus spread_colors(const V4l2Stream::Filled& filled, CapturedImage& image, std::string& problem) {
     const int width = format_.width, height = format_.height;
     if (!is_whole(filled, height + height / 2, width, problem)) return CaptureStatus::kIncomplete;
     std::uint8_t* pixels = nullptr;
     const ImageView layout{nullptr, width, height, std::ptrdiff_t{2} * width, PixelFormat::kUyvy};
     Image free = own_buffers_->take(layout, pixels);
-    if (pixels == nullptr) {  // all are out
+    if (pixels == nullptr) {  // all buffers are lent
       ++dropped_;
       return CaptureStatus::kTimeout;
     }
@@ -190,7 +190,7 @@ class V4l2Source final : public Source {
     } else if (layout.width > 0) {
       std::uint8_t* pixels = nullptr;
       Image free = own_buffers_->take(layout, pixels);
-      if (pixels == nullptr) {  // all are out
+      if (pixels == nullptr) {  // all buffers are lent
         ++dropped_;
         status = CaptureStatus::kTimeout;
       } else if (decoder_->decode(jpeg, pixels, problem)) {
@@ -210,19 +210,21 @@ class V4l2Source final : public Source {
   }
 
   void count_gap(std::uint32_t sequence) {
-    const std::uint32_t step = sequence - last_sequence_.value_or(sequence - 1);  // also across the wrap to 0
+    const std::uint32_t step = sequence - last_sequence_.value_or(sequence - 1);  // also after a wrap to 0
     constexpr std::uint32_t kBackwards = 1U << 31;
     if (step > 1 && step < kBackwards) dropped_ += step - 1;
     last_sequence_ = sequence;
   }
 
-  /// The driver tells us of every change by any program; asking a USB camera would take a millisecond.
+  /// Subscribes to the driver's reports of exposure changes, by any program. Querying a USB camera would take
+  /// a millisecond.
   void watch_exposure() {
     v4l2_event_subscription subscription{};
     subscription.type = V4L2_EVENT_CTRL;
     subscription.id = V4L2_CID_EXPOSURE_ABSOLUTE;
     subscription.flags = V4L2_EVENT_SUB_FL_SEND_INITIAL | V4L2_EVENT_SUB_FL_ALLOW_FEEDBACK;
-    device_->call(VIDIOC_SUBSCRIBE_EVENT, &subscription);  // fails when it has none, which then is not known
+    // Fails for a camera without this control, whose exposure is then unknown.
+    device_->call(VIDIOC_SUBSCRIBE_EVENT, &subscription);
     read_events();
   }
 
@@ -247,8 +249,8 @@ class V4l2Source final : public Source {
     return capture_times(stamp_s, timing_);
   }
 
-  const Options options_;
-  std::string label_;  // as the admin calls the camera
+  const V4l2Options options_;
+  std::string label_;  // the admin's name of the camera
   bool stamps_first_bytes_ = false;
   std::vector<std::string> warnings_;
   std::shared_ptr<V4l2Device> device_;
@@ -256,17 +258,17 @@ class V4l2Source final : public Source {
   std::shared_ptr<V4l2Stream> stream_;
   V4l2FormatSet format_;
   V4l2Timing timing_;
-  std::optional<JpegDecoder> decoder_;  // of what is not lent as it comes, as is the next
+  std::optional<JpegDecoder> decoder_;  // like own_buffers_, only for formats that need conversion
   std::optional<BufferPool> own_buffers_;
   std::optional<std::uint32_t> last_sequence_;
   std::uint64_t dropped_ = 0;
-  std::int64_t last_picture_ns_ = 0;  // steady_ns(), damaged ones too
+  std::int64_t last_picture_ns_ = 0;  // steady_ns() of the last image, which may be damaged
 };
 
 }  // namespace
 
 std::unique_ptr<Source> open_v4l2(const Json& options, const V4l2System& system) {
-  return std::make_unique<V4l2Source>(params_from_json<Options>(options, ""), system);
+  return std::make_unique<V4l2Source>(params_from_json<V4l2Options>(options, ""), system);
 }
 
 std::vector<FoundCamera> list_v4l2(const V4l2System& system) {
@@ -293,9 +295,9 @@ Backend v4l2_backend() {
       "v4l2",
       "webcams and other cameras with a driver in the kernel",
       [](const Json& options, const std::string& path) {
-        return params_to_json(params_from_json<Options>(options, path));
+        return params_to_json(params_from_json<V4l2Options>(options, path));
       },
-      [] { return params_schema<Options>(); },
+      [] { return params_schema<V4l2Options>(); },
       [](const Json& options, const SourceContext&) { return open_v4l2(options, {}); },
       [] { return list_v4l2({}); },
   };

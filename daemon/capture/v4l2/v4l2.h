@@ -9,10 +9,10 @@
 
 namespace sslv {
 
-/// "v4l2": webcams and every other camera that has a driver in the kernel.
+/// "v4l2": webcams and every other camera with a kernel driver.
 Backend v4l2_backend();
 
-/// The backend's open and list on a system of one's own, for tests.
+/// The backend's open and list functions for a given system, for tests.
 std::unique_ptr<Source> open_v4l2(const Json& options, const V4l2System& system);
 std::vector<FoundCamera> list_v4l2(const V4l2System& system);
 

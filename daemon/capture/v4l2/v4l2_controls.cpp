@@ -14,7 +14,7 @@
 namespace sslv {
 namespace {
 
-/// As v4l2-ctl writes it: "White Balance, Automatic" is white_balance_automatic.
+/// The name as in v4l2-ctl: "White Balance, Automatic" is white_balance_automatic.
 std::string key_of(std::string_view title) {
   std::string out;
   bool gap = false;
@@ -35,7 +35,7 @@ std::string title_of(const v4l2_query_ext_ctrl& asked) {
   return {asked.name, std::find(asked.name, asked.name + sizeof asked.name, '\0')};
 }
 
-/// None: there is no way to show it (matrices, codec parameters).
+/// Empty for types that cannot be shown (matrices, codec parameters).
 std::optional<ControlKind> kind_of(std::uint32_t type) {
   switch (type) {
     case V4L2_CTRL_TYPE_INTEGER:
@@ -50,7 +50,7 @@ std::optional<ControlKind> kind_of(std::uint32_t type) {
   }
 }
 
-/// Of the few that have one by definition (linux/v4l2-controls.h).
+/// The unit of a control, defined for few controls (linux/v4l2-controls.h); otherwise empty.
 std::string unit_of(std::uint32_t id) {
   if (id == V4L2_CID_EXPOSURE_ABSOLUTE) return "100 us";
   return id == V4L2_CID_WHITE_BALANCE_TEMPERATURE ? "K" : "";
@@ -62,7 +62,7 @@ ControlLevel level_of(std::uint32_t id) {
   return usual && !V4L2_CTRL_DRIVER_PRIV(id) ? ControlLevel::kBeginner : ControlLevel::kExpert;
 }
 
-/// Calls with one control. Returns the errno.
+/// Makes a request with one control. Returns the errno, or 0.
 int call_with(V4l2Device& device, unsigned long request, v4l2_ext_control& one) {
   v4l2_ext_controls all{};
   all.which = V4L2_CTRL_WHICH_CUR_VAL;
@@ -163,7 +163,7 @@ Control V4l2Controls::describe(const Entry& entry) const {
   return out;
 }
 
-/// The choices and what the kernel calls them; numbers that it leaves out are not allowed.
+/// Returns the choices, and their kernel numbers in `numbers`. Numbers that the kernel skips are not allowed.
 std::vector<std::string> V4l2Controls::menu(const v4l2_query_ext_ctrl& asked,
                                             std::vector<std::int64_t>& numbers) const {
   std::vector<std::string> out;
@@ -184,7 +184,7 @@ std::vector<std::string> V4l2Controls::menu(const v4l2_query_ext_ctrl& asked,
   return out;
 }
 
-/// Null: cannot be read now, or there is nothing to read.
+/// Null if the control cannot be read now or has no value.
 Json V4l2Controls::read(const v4l2_query_ext_ctrl& asked) const {
   if (asked.type == V4L2_CTRL_TYPE_BUTTON) return nullptr;
   v4l2_ext_control one{};

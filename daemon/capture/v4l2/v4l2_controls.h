@@ -13,13 +13,12 @@
 
 namespace sslv {
 
-/// All that can be set at a video device, by the names that v4l2-ctl has for them: "brightness",
-/// "exposure_time_absolute".
+/// All controls of a video device, with the names that v4l2-ctl uses: "brightness", "exposure_time_absolute".
 class V4l2Controls final : public Controls {
  public:
   explicit V4l2Controls(std::shared_ptr<V4l2Device> device);
 
-  /// From now on all throws CaptureError. Waits for a call under way.
+  /// Makes further calls throw CaptureError. Waits for a running call.
   void close();
 
   std::vector<Control> list() override;
@@ -29,7 +28,7 @@ class V4l2Controls final : public Controls {
   void write(const Control& control, const Json& value) override;
 
  private:
-  /// What does not change while the device is open.
+  /// Properties that are constant while the device is open.
   struct Entry {
     std::string name, category;
     std::uint32_t id;

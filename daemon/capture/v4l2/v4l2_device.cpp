@@ -47,7 +47,7 @@ class KernelDevice final : public V4l2Device {
 }  // namespace
 
 std::shared_ptr<V4l2Device> open_v4l2_device(const std::string& path) {
-  // Not blocking: an image is waited for by poll, which has a time limit.
+  // Non-blocking: poll() waits for images, with a time limit.
   const int fd = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
   return fd < 0 ? nullptr : std::make_shared<KernelDevice>(fd);
 }

@@ -36,7 +36,7 @@ struct Size {
   int width, height;
 };
 
-/// What is of interest of a v4l2_format, whichever kind of buffers the device has.
+/// The relevant fields of a v4l2_format of either buffer type.
 struct Made {
   __u32 fourcc, width, height, field, row_bytes;
   int planes;
@@ -73,10 +73,10 @@ double rate_hz(const v4l2_fract& interval) {
   return interval.numerator == 0 ? 0 : static_cast<double>(interval.denominator) / interval.numerator;
 }
 
-/// Talks to one device; every refusal is a CaptureError that begins with the label.
-class Setup {
+/// Configures one device; a refusal throws CaptureError that begins with the label.
+class FormatSetup {
  public:
-  Setup(V4l2Device& device, v4l2_buf_type buffers, const V4l2FormatWish& wish, const std::string& label)
+  FormatSetup(V4l2Device& device, v4l2_buf_type buffers, const V4l2FormatWish& wish, const std::string& label)
       : device_(device),
         buffers_(buffers),
         wish_(wish),
@@ -115,7 +115,7 @@ class Setup {
                                           V4L2_FIELD_INTERLACED_BT};
     if (std::find(kWhole.begin(), kWhole.end(), made.field) == kWhole.end())
       fail("it delivers half images, every second row (interlaced)");
-    // Of NV12 the row of Y; its colours' rows are as long.
+    // For NV12, the length of a row of Y; rows of colours are equally long.
     const bool is_nv12 = format.fourcc == V4L2_PIX_FMT_NV12;
     const PixelFormat becomes = format.pixels.value_or(PixelFormat::kUyvy);
     const bool suits = is_valid_size(becomes, size.width, size.height) && (!is_nv12 || size.height % 2 == 0);
@@ -138,11 +138,12 @@ class Setup {
     const double enough_hz = wish_.frame_rate_hz.value_or(kAnyRate);
     const auto speed = [&](const V4l2Format& f) { return std::min(fastest_hz(f), enough_hz); };
     return *std::max_element(
-        formats_.begin(), formats_.end(),  // of equals the first
+        formats_.begin(), formats_.end(),  // the first of equally fast formats
         [&](const V4l2Format& a, const V4l2Format& b) { return speed(a) < speed(b) - 0.01; });
   }
 
-  /// Of the wanted size; without limit when the driver does not say, nothing when it has no such size.
+  /// The fastest rate at the wanted size; infinite if the driver reports no rates, 0 if the format lacks this
+  /// size.
   double fastest_hz(const V4l2Format& format) const {
     double fastest = 0;
     const int error =
@@ -150,7 +151,8 @@ class Setup {
     return error == ENOTTY ? kAnyRate : fastest;
   }
 
-  /// The shortest and single intervals. Returns the errno of the first question.
+  /// Calls `use` with each discrete interval, or with the shortest of a range. Returns the errno of the first
+  /// query.
   template <class Use>
   int each_interval(const V4l2Format& format, Use&& use) const {
     for (__u32 i = 0;; ++i) {
@@ -166,7 +168,7 @@ class Setup {
     }
   }
 
-  /// Returns the time between images.
+  /// Returns the time between images in s; 0: unknown.
   double set_rate(const V4l2Format& format) {
     v4l2_streamparm parameters{};
     parameters.type = buffers_;
@@ -175,7 +177,7 @@ class Setup {
     if (wish_.frame_rate_hz) {
       if (!readable || (capture.capability & V4L2_CAP_TIMEPERFRAME) == 0)
         fail("frame_rate_hz cannot be set: the camera has no such setting");
-      constexpr double kParts = 10'000;  // of a frame's time
+      constexpr double kParts = 10'000;  // numerator of the frame period
       capture.timeperframe = {static_cast<__u32>(kParts),
                               static_cast<__u32>(std::lround(*wish_.frame_rate_hz * kParts))};
       if (const int error = device_.call(VIDIOC_S_PARM, &parameters); error != 0)
@@ -235,7 +237,7 @@ class Setup {
   const V4l2FormatWish& wish_;
   const std::string& label_;
   const std::vector<V4l2Format> formats_;
-  Size size_{};  // wanted, then made
+  Size size_{};  // first the wanted size, then the actual size
 };
 
 }  // namespace
@@ -257,7 +259,7 @@ std::vector<V4l2Format> v4l2_formats_of(V4l2Device& device, v4l2_buf_type buffer
 
 V4l2FormatSet set_v4l2_format(V4l2Device& device, v4l2_buf_type buffers, const V4l2FormatWish& wish,
                               const std::string& label) {
-  return Setup(device, buffers, wish, label).run();
+  return FormatSetup(device, buffers, wish, label).run();
 }
 
 }  // namespace sslv

@@ -17,14 +17,14 @@
 
 namespace sslv {
 
-/// A format of pixels that is taken from video devices.
+/// A supported pixel format of video devices.
 struct V4l2Format {
-  std::string_view name;              // in settings
-  std::uint32_t fourcc;               // the kernel's name
-  std::optional<PixelFormat> pixels;  // none: what comes must be made into one first
+  std::string_view name;              // name in settings
+  std::uint32_t fourcc;               // the kernel's code
+  std::optional<PixelFormat> pixels;  // empty: must be converted first
 };
 
-/// The best first: colour before grey, what is ready to use before what must be decompressed.
+/// Best first: colour before grey, directly usable before compressed.
 inline constexpr std::array<V4l2Format, 11> kV4l2Formats{{
     {"uyvy", V4L2_PIX_FMT_UYVY, PixelFormat::kUyvy},
     {"yuyv", V4L2_PIX_FMT_YUYV, PixelFormat::kYuyv},
@@ -39,7 +39,7 @@ inline constexpr std::array<V4l2Format, 11> kV4l2Formats{{
     {"mono8", V4L2_PIX_FMT_GREY, PixelFormat::kMono8},
 }};
 
-/// The pixel_format option.
+/// Values of the pixel_format option.
 inline constexpr std::uint32_t kV4l2AutoFormat = 0;
 inline constexpr auto kV4l2FormatChoices = [] {
   std::array<Choice<std::uint32_t>, kV4l2Formats.size() + 1> choices{};
@@ -51,23 +51,24 @@ inline constexpr auto kV4l2FormatChoices = [] {
 
 struct V4l2FormatWish {
   std::uint32_t fourcc = kV4l2AutoFormat;
-  int width = 0, height = 0;  // 0: leave as it is
+  int width = 0, height = 0;  // 0: keep the current size
   std::optional<double> frame_rate_hz;
 };
 
-/// What the device was set to.
+/// The format that the device was set to.
 struct V4l2FormatSet {
   V4l2Format format{};
   int width = 0, height = 0;
   std::ptrdiff_t stride_bytes = 0;
-  double period_s = 0;  // between images; 0: the device does not say
+  double period_s = 0;  // time between images; 0: unknown
 };
 
-/// Those of ours that the device has. `buffers` is its kind of buffers, as in V4l2Node.
+/// The supported formats of the device, best first. `buffers` is its buffer type, as in V4l2Node.
 std::vector<V4l2Format> v4l2_formats_of(V4l2Device& device, v4l2_buf_type buffers);
 
-/// Throws CaptureError, beginning with `label`, with what the device has when it refuses. "auto" takes the
-/// format with which the device is fast enough, or fastest when no rate is wished for.
+/// Sets the format and rate. If the device refuses, throws CaptureError, beginning with `label`, that lists
+/// what the device supports. "auto" chooses the best format that is fast enough, or the fastest format if
+/// `wish` has no rate.
 V4l2FormatSet set_v4l2_format(V4l2Device& device, v4l2_buf_type buffers, const V4l2FormatWish& wish,
                               const std::string& label);
 

@@ -18,13 +18,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A kernel's text, which need not end with a zero.
+/// A text from the kernel, which may lack the terminating zero.
 template <std::size_t N>
 std::string text_of(const __u8 (&text)[N]) {
   return {text, std::find(text, text + N, 0)};
 }
 
-/// The entries of a folder, sorted; none when there is no such folder.
+/// The entries of a folder, sorted; empty if the folder does not exist.
 std::vector<fs::path> entries_of(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> out;
@@ -38,8 +38,8 @@ std::vector<fs::path> entries_of(const fs::path& folder) {
 std::string usb_serial_of(const V4l2System& system, const std::string& name) {
   std::error_code error;
   fs::path folder = fs::canonical(fs::path(system.class_folder) / name / "device", error);
-  // Mostly it belongs to an interface of the device. Higher up there are hubs, which have numbers of their
-  // own.
+  // Usually a video device belongs to an interface of the USB device, so look at two levels. The levels above
+  // are hubs, which have their own serial numbers.
   for (int i = 0; i < 2 && !error; ++i, folder = folder.parent_path()) {
     if (!fs::exists(folder / "idVendor", error)) continue;
     std::string serial;
@@ -61,11 +61,11 @@ std::vector<std::string> links_to(const V4l2System& system, const std::string& p
   return out;
 }
 
-/// How an attempt to open a device ended.
+/// The result of an attempt to open a device.
 struct Opened {
   std::optional<V4l2Node> node;
   std::string problem{};
-  bool forbidden = false;  // it may well be a camera
+  bool forbidden = false;  // no permission to open the device, which may be a camera
 };
 
 Opened open_node(const V4l2System& system, const std::string& path) {
@@ -116,7 +116,7 @@ std::vector<V4l2Node> find_nodes(const V4l2System& system, std::string& problem)
   std::vector<V4l2Node> out;
   for (const fs::path& entry : entries) {
     const std::string name = entry.filename().string();
-    if (!name.starts_with("video")) continue;  // the others are radios and the like
+    if (!name.starts_with("video")) continue;  // other entries are radios and the like
     const std::string path = system.device_folder + '/' + name;
     Opened opened = open_node(system, path);
     if (opened.node) out.push_back(std::move(*opened.node));
@@ -145,7 +145,7 @@ const std::string& known_by(const V4l2Node& node, const std::vector<V4l2Node>& a
 V4l2Node find_v4l2_node(const V4l2System& system, const std::string& camera) {
   if (camera.starts_with('/')) {
     std::error_code error;
-    const fs::path path = fs::canonical(camera, error);  // a link names the camera, not its number
+    const fs::path path = fs::canonical(camera, error);  // resolves links in /dev/v4l
     Opened opened = open_node(system, error ? camera : path.string());
     if (opened.node) return std::move(*opened.node);
     throw CaptureError(fmt::format("camera \"{}\": {}", camera, opened.problem));

@@ -12,8 +12,8 @@
 namespace sslv {
 namespace {
 
-/// A buffer as the kernel's calls take it. That of a multi-planar device has its bytes in planes, of which it
-/// has one here; it must stay where it is.
+/// A buffer for the kernel's calls. For a multi-planar device, it points to its own `plane` (always one plane
+/// here), which has the image's size and position. So the object must not be moved.
 struct KernelBuffer {
   KernelBuffer(v4l2_buf_type type, std::uint32_t index) {
     buffer.index = index;
@@ -30,7 +30,7 @@ struct KernelBuffer {
   bool is_planar() const { return buffer.type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE; }
   std::size_t length() const { return is_planar() ? plane.length : buffer.length; }
   std::size_t bytes_used() const { return is_planar() ? plane.bytesused : buffer.bytesused; }
-  /// Where the image begins; bytes_used() counts from the buffer's own beginning.
+  /// Start of the image; bytes_used() counts from the start of the buffer.
   std::size_t data_offset() const { return is_planar() ? plane.data_offset : 0; }
   std::uint32_t map_offset() const { return is_planar() ? plane.m.mem_offset : buffer.m.offset; }
 
@@ -38,7 +38,7 @@ struct KernelBuffer {
   v4l2_plane plane{};
 };
 
-/// Returns how many there are now.
+/// Requests `count` buffers and sets `count` to the number granted. Returns the errno, or 0.
 int request_buffers(V4l2Device& device, v4l2_buf_type type, int& count) {
   v4l2_requestbuffers request{};
   request.count = static_cast<__u32>(count);
@@ -57,7 +57,7 @@ std::shared_ptr<V4l2Stream> V4l2Stream::start(std::shared_ptr<V4l2Device> device
   stream->map_buffers(buffers, label);
   int started = type;
   if (const int error = stream->device_->call(VIDIOC_STREAMON, &started); error != 0) {
-    // ENOSPC is how a USB bus says that another camera has taken its time.
+    // The driver reports ENOSPC when another camera uses the bandwidth of the USB bus.
     throw CaptureError(
         fmt::format("camera \"{}\": does not start: {}", label,
                     error == ENOSPC ? "too little is left of its USB bus" : errno_text(error)));
@@ -96,7 +96,7 @@ void V4l2Stream::stop() noexcept {
   if (stopped_.exchange(true)) return;
   int stopped = type_;
   device_->call(VIDIOC_STREAMOFF, &stopped);
-  // Those that are still lent live on as orphans (Linux 4.20); nobody is kept from the device by them.
+  // Since Linux 4.20, lent buffers remain as orphans, which do not keep the device busy.
   int none = 0;
   request_buffers(*device_, type_, none);
 }
@@ -124,7 +124,7 @@ Image V4l2Stream::lend(const Filled& filled, ImageView layout) noexcept {
 
 void V4l2Stream::take_back(void* /*owner*/, void* lent) noexcept {
   auto* buffer = static_cast<Buffer*>(lent);
-  // Taken out first: once it is queued, the buffer may be lent again.
+  // Moved out first: once queued, the buffer may be lent again.
   const std::shared_ptr<V4l2Stream> stream = std::move(buffer->keeps);
   --stream->lent_;
   stream->queue(buffer->index);

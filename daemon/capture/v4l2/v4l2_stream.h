@@ -15,20 +15,19 @@
 
 namespace sslv {
 
-/// The buffers that a device fills, in memory shared with the kernel. What is lent out as an Image goes back
-/// to the device when that is let go, from whatever thread; Images may outlive the stop, and the device stays
-/// open for them.
+/// The buffers that a device fills, in memory shared with the kernel. Releasing a lent Image, on any thread,
+/// returns its buffer to the device. Images may outlive stop(), and keep the device open.
 class V4l2Stream : public std::enable_shared_from_this<V4l2Stream> {
  public:
-  /// Maps and queues as many buffers and starts the device. `type` is that of the device's buffers; images
-  /// lie in one plane. Throws CaptureError, beginning with `label`.
+  /// Maps and queues `buffers` buffers and starts the device. `type` is the device's buffer type; images have
+  /// one plane. Throws CaptureError, beginning with `label`.
   static std::shared_ptr<V4l2Stream> start(std::shared_ptr<V4l2Device> device, v4l2_buf_type type,
                                            int buffers, const std::string& label);
   ~V4l2Stream();
   V4l2Stream(const V4l2Stream&) = delete;
   V4l2Stream& operator=(const V4l2Stream&) = delete;
 
-  /// Ends the delivery and makes the device free for another opening. May block on dead hardware.
+  /// Stops streaming and frees the device for another opening. May block on dead hardware.
   void stop() noexcept;
 
   /// A filled buffer.
@@ -36,22 +35,23 @@ class V4l2Stream : public std::enable_shared_from_this<V4l2Stream> {
     std::uint32_t index = 0, sequence = 0;
     std::uint32_t flags = 0;  // V4L2_BUF_FLAG_...
     timeval timestamp{};
-    std::size_t offset = 0;           // where the image begins
-    std::size_t bytes = 0, most = 0;  // of the image, as the device says, and of what is behind `offset`
+    std::size_t offset = 0;           // start of the image
+    std::size_t bytes = 0, most = 0;  // image size reported by the device; space after `offset`
   };
 
-  /// Fetches a filled buffer, which then must be lent or given back. 0, or the errno; EAGAIN: there is none.
+  /// Fetches a filled buffer, which must then be lent or given back. Returns 0, or the errno; EAGAIN: none is
+  /// ready.
   int fetch(Filled& filled) noexcept;
   const std::uint8_t* bytes_of(const Filled& filled) const {
     return buffers_[filled.index].memory + filled.offset;
   }
-  /// `layout` says how the image lies; its data may be null.
+  /// `layout` describes the image; its data may be null.
   Image lend(const Filled& filled, ImageView layout) noexcept;
   void give_back(const Filled& filled) noexcept { queue(filled.index); }
 
-  /// The device has at least one buffer to fill.
+  /// Whether the device has at least one buffer to fill.
   bool can_deliver() const { return lent_ < buffers_.size(); }
-  /// Why the device did not take a buffer back, which is lost then; 0: all are well.
+  /// The errno with which the device refused a returned buffer, which is then lost; 0: no error.
   int queue_error() const { return queue_error_; }
 
  private:
@@ -59,7 +59,7 @@ class V4l2Stream : public std::enable_shared_from_this<V4l2Stream> {
     std::uint8_t* memory = nullptr;
     std::size_t size = 0;
     std::uint32_t index = 0;
-    std::shared_ptr<V4l2Stream> keeps{};  // while lent: the memory stays
+    std::shared_ptr<V4l2Stream> keeps{};  // set while lent, to keep the memory mapped
   };
 
   V4l2Stream(std::shared_ptr<V4l2Device> device, v4l2_buf_type type)

@@ -8,12 +8,13 @@
 namespace sslv {
 namespace {
 
-/// Of a kernel's stamp: USB hands over up to 4 ms of bytes at once, which spreads evenly.
+/// Standard deviation of a kernel time stamp: USB delivers up to 4 ms of data at once, so the error is
+/// uniform.
 constexpr double kStampSigmaS = 0.0012;
-/// When the device does not say.
+/// Frame period that is assumed if the device does not report it.
 constexpr double kUsualPeriodS = 1.0 / 30;
 
-/// Standard deviation of what lies anywhere within `width_s`.
+/// Standard deviation of a uniform distribution of this width.
 double spread_s(double width_s) {
   return width_s / std::sqrt(12.0);
 }
@@ -25,11 +26,11 @@ CaptureTimes capture_times(double stamp_s, const V4l2Timing& timing) {
   times.t_capture_s = stamp_s;
   if (timing.stamped_at == V4l2StampedAt::kArrival) return times;
   const double period_s = timing.period_s > 0 ? timing.period_s : kUsualPeriodS;
-  // An exposure that is not known lasts between nothing and the whole period.
+  // An unknown exposure is assumed uniform between 0 and the period.
   const double half_exposure_s = timing.exposure_s.value_or(period_s / 2) / 2;
   double sigma_s = kStampSigmaS;
   if (!timing.exposure_s) sigma_s = std::hypot(sigma_s, spread_s(period_s / 2));
-  // So does the transfer, which begins when the exposure ends.
+  // The duration of the transfer, which begins at the end of the exposure, is also assumed uniform.
   if (timing.stamped_at == V4l2StampedAt::kPictureEnd) {
     times.t_capture_s -= period_s / 2;
     sigma_s = std::hypot(sigma_s, spread_s(period_s));

@@ -8,24 +8,25 @@
 
 namespace sslv {
 
-/// What a driver's time stamp is the moment of.
+/// The moment to which a driver's time stamp refers.
 enum class V4l2StampedAt : std::uint8_t {
-  kArrival,        // nothing is known but when the image was fetched
-  kExposureStart,  //
-  kExposureEnd,    // about: when the image's first bytes came
-  kPictureEnd,     // when its last bytes came
+  kArrival,  // unknown; only the time of fetching is known
+  kExposureStart,
+  kExposureEnd,  // approximately: arrival of the image's first bytes
+  kPictureEnd,   // arrival of the image's last bytes
 };
 
 struct V4l2Timing {
   V4l2StampedAt stamped_at = V4l2StampedAt::kArrival;
-  std::optional<double> exposure_s{};  // none: not known, as with automatic exposure
-  double period_s = 0;                 // between images; 0: not known
+  std::optional<double> exposure_s{};  // empty if unknown, as with automatic exposure
+  double period_s = 0;                 // time between images; 0: unknown
 };
 
-/// `stamp_s` on the host's Unix clock.
+/// Capture times for a stamp on the host's Unix clock: the middle of the exposure, or with kArrival the stamp
+/// itself.
 CaptureTimes capture_times(double stamp_s, const V4l2Timing& timing);
 
-/// From the flags of a buffer (V4L2_BUF_FLAG_*).
+/// The meaning of a buffer's stamp, from its flags (V4L2_BUF_FLAG_*).
 V4l2StampedAt stamped_at(std::uint32_t buffer_flags, bool stamps_first_bytes);
 
 }  // namespace sslv

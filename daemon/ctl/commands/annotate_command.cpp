@@ -21,11 +21,11 @@
 namespace sslv {
 namespace {
 
-struct Options {
+struct Arguments {
   CameraChoice choice;
   RawFormat raw;
   AnnotateOptions annotate;
-  // One after the other, so many words each.
+  // Flat lists; each entry consists of kRobotWords, kBallWords or kIdWords values.
   std::vector<std::string> robots;
   std::vector<double> balls;
   std::vector<int> ids;
@@ -41,7 +41,7 @@ Number number_of(const std::string& word) {
   return out;
 }
 
-void read_corrections(Options& o) {
+void read_corrections(Arguments& o) {
   Corrections& corrections = o.annotate.corrections;
   for (std::size_t i = 0; i < o.robots.size(); i += kRobotWords) {
     const std::string* words = &o.robots[i];
@@ -57,7 +57,7 @@ void read_corrections(Options& o) {
     corrections.ids.emplace_back(o.ids[i], o.ids[i + 1]);
 }
 
-/// In single quotes where a shell would take it apart.
+/// Quotes a word that a shell would split.
 std::string shell_word(const std::string& word) {
   const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
     return std::isalnum(c) != 0 ||
@@ -69,7 +69,7 @@ std::string shell_word(const std::string& word) {
   return out + "'";
 }
 
-std::string command_of(const Options& o) {
+std::string command_of(const Arguments& o) {
   std::string out = "ssl-visionctl annotate --settings " + shell_word(o.choice.settings_file);
   if (o.choice.camera_id != 0) out += fmt::format(" --camera {}", o.choice.camera_id);
   if (!o.choice.lut_file.empty()) out += " --lut " + shell_word(o.choice.lut_file);
@@ -83,7 +83,7 @@ std::string command_of(const Options& o) {
 }  // namespace
 
 void add_annotate(CommandLine& line) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<Arguments>();
   CLI::App* command = line.app.add_subcommand(
       "annotate",
       "make a truth file for `score` of a hall's own images: the detector drafts it, you correct it");

@@ -39,7 +39,7 @@ std::string bytes_of_backup(const std::string& file) {
   return bytes;
 }
 
-/// So that a refusal names the file.
+/// Adds the file's name to a refusal.
 Json post_backup(const Client& daemon, const char* path, const std::string& file, const std::string& bytes) {
   try {
     return daemon.post_bytes(path, bytes);
@@ -66,7 +66,7 @@ void add_backup(CommandLine& line) {
   line.on(command, [&line, o] {
     const std::string backup =
         line.client().get(o->with_passwords ? "/api/backup?passwords=true" : "/api/backup");
-    ::umask(077);  // others have no business in it
+    ::umask(077);  // no other user may read it
     write_bytes(o->file, backup);
     if (o->file == "-") return EXIT_SUCCESS;
     std::error_code ignored;  // the file may be another user's
@@ -95,7 +95,7 @@ void add_restore(CommandLine& line) {
   line.on(command, [&line, o] {
     const std::string bytes = bytes_of_backup(o->file);
     const Client client = line.client();
-    // Signs in where that is needed: a daemon takes no large file before.
+    // Signs in if necessary, because a daemon accepts large files only from clients that are signed in.
     client.post("/api/settings/check", Json::array());
     const Json contents = post_backup(client, "/api/backup/check", o->file, bytes);
     if (o->dry_run) {

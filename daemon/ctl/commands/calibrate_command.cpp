@@ -27,8 +27,8 @@ struct CalibrateOptions {
   bool together = false, accept = false, force = false, as_json = false;
 };
 
-/// Writes what became of a calibration: the calibration to its file when there is one, the whole report to
-/// its own, and what a person wants to know. Answers with the exit code.
+/// Writes the result of a calibration: the calibration, if found, to `calibration_file`, the whole report to
+/// the report file, and human-readable text to the terminal. Returns the exit code.
 int tell(const CalibrateOptions& o, const Json& report, const std::string& calibration_file,
          std::string (*text)(const Json&)) {
   const auto write = [](const std::string& file, const Json& json) {
@@ -39,7 +39,7 @@ int tell(const CalibrateOptions& o, const Json& report, const std::string& calib
   if (!o.report_file.empty()) write(o.report_file, report);
   if (!calibration_file.empty() && report.at("found") == true)
     write(calibration_file, report.at("calibration"));
-  // Standard output belongs to the file that is written there.
+  // If a file is written to standard output, the text must not be.
   (calibration_file == "-" || o.report_file == "-" ? std::cerr : std::cout)
       << answer_text(report, o.as_json, text);
   return report.at("accepted") == true ? EXIT_SUCCESS : EXIT_FAILURE;

@@ -24,7 +24,7 @@
 namespace sslv {
 namespace {
 
-/// Ranges of CLI11 let through what is no number.
+/// Ranges of CLI11 accept NaN.
 const CLI::Validator kFiniteSeconds(
     [](std::string& text) {
       double value = 0;
@@ -34,7 +34,7 @@ const CLI::Validator kFiniteSeconds(
     },
     "");
 
-/// Which frames of a clip.
+/// Selects frames of a clip.
 struct ClipChoice {
   std::filesystem::path clip;
   std::uint32_t camera_id = 0;
@@ -62,17 +62,17 @@ Config settings_in(const std::string& file) {
   }
 }
 
-/// Which of its own labels a table has is the settings' word; without any, the built-in ones.
+/// Reads a colour table with the settings' own labels; without settings, with the built-in labels only.
 std::shared_ptr<const Lut> table_in(const std::string& file, const Config* settings) {
   const LabelSet labels = settings != nullptr ? LabelSet(settings->own_labels, "/own_labels") : LabelSet();
   return read_lut(file, "--lut", labels);
 }
 
-/// Like diff: 1 says that there are differences.
+/// Exit code for errors. As with diff, 1 means that there are differences.
 constexpr int kTrouble = 2;
 
-/// What `act` returns. What is wrong with the clip is said with its name; `settings_file`: whose messages
-/// have theirs.
+/// Returns the result of `act`. Errors get the clip's name, unless they begin with that name or
+/// with `settings_file`.
 template <class Act>
 int with_clip(const std::filesystem::path& file, const std::string& settings_file, const Act& act) {
   const std::string name = file.string();
@@ -155,7 +155,7 @@ void add_replay(CommandLine& line) {
 
 namespace {
 
-/// Waits until the daemon has written the clip that it was asked for. Its name.
+/// Waits until the daemon has written the requested clip. Returns its name. Throws StorageError.
 std::string written_clip(const Client& client) {
   for (;;) {
     const Json now = client.get_json("/api/recordings/clips").at("clip");

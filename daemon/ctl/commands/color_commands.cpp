@@ -23,7 +23,7 @@ std::string colors_path(int camera_id) {
   return fmt::format("/api/cameras/{}/colors", camera_id);
 }
 
-/// One of the things that may be done to a table, with its camera and what it answers.
+/// Adds a command for a camera's colour table, with the options that all such commands have.
 CLI::App* add_action(CLI::App* group, const char* name, const char* help,
                      const std::shared_ptr<ColorOptions>& o) {
   CLI::App* command = group->add_subcommand(name, help);

@@ -78,7 +78,7 @@ void write_bytes(const std::string& file, const std::string& bytes) {
 void write_pieces(const std::string& file, const std::function<void(const TakePiece& take)>& send) {
   if (file == "-" && isatty(STDOUT_FILENO) != 0)
     throw StorageError("a terminal cannot show this: name a file, or send standard output to one");
-  std::optional<Output> output;  // not before something comes: a refusal leaves what is there
+  std::optional<Output> output;  // opened with the first chunk: a refusal keeps an existing file
   try {
     send([&](std::string_view piece) {
       if (!output) output.emplace(file);

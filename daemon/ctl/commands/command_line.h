@@ -16,12 +16,12 @@
 
 namespace sslv {
 
-/// The command line, as its commands fill it in. What a command's options say lives as long as the actions
-/// that share it.
+/// The command line, filled in by its commands. The options of a command live as long as the actions that
+/// share them.
 struct CommandLine {
   CLI::App app{"Asks a running ssl-visiond, or runs its pipeline over files."};
   std::string daemon = "http://127.0.0.1:8090";
-  std::function<int()> act;  // what the command that was given does; its exit code
+  std::function<int()> act;  // the action of the given command; returns the exit code
 
   std::filesystem::path password_file;
   std::shared_ptr<SignIn> sign_in = std::make_shared<SignIn>(SignIn{[this] { return password(); }});
@@ -29,24 +29,24 @@ struct CommandLine {
   Client client() const { return Client(daemon, sign_in); }
   /// The password for the daemon: from the file, the environment or the terminal. Throws ClientError.
   std::string password() const;
-  /// Has a command do this once the whole command line is read.
+  /// Runs `action` for a command once the whole command line is parsed.
   void on(CLI::App* command, std::function<int()> action);
 };
 
 void add_json_flag(CLI::App* command, bool& as_json);
 
-/// A line typed at the terminal, which does not show it. Throws StorageError without a terminal.
+/// Reads a line from the terminal without showing it. Throws StorageError without a terminal.
 std::string typed_secret(const std::string& prompt);
 
-/// Prints an answer as the API gives it, or as a text for people; plain text, whatever the daemon said.
+/// Prints an answer as JSON, or as human-readable text; always plain text, whatever the daemon sent.
 void print_answer(const Json& answer, bool as_json, std::string (*text)(const Json&));
 
-/// Writes what a daemon sent to a file, or to standard output for "-", but not to a terminal, which might
-/// obey it. Throws StorageError.
+/// Writes a daemon's bytes to a file, or to standard output for "-", but not to a terminal, which might
+/// interpret them. Throws StorageError.
 void write_bytes(const std::string& file, const std::string& bytes);
 
-/// Likewise, of a file that is too large for memory: `send` gives its pieces. When it throws, nothing of the
-/// file stays.
+/// The same for a file that is too large for memory: `send` passes on its chunks. If it throws, the file is
+/// removed.
 using TakePiece = std::function<void(std::string_view piece)>;
 void write_pieces(const std::string& file, const std::function<void(const TakePiece& take)>& send);
 
@@ -55,7 +55,7 @@ class Output {
  public:
   explicit Output(const std::string& file);
   std::ostream& stream();
-  /// Throws StorageError when not all of it could be written.
+  /// Throws StorageError if not everything could be written.
   void finish();
 
  private:

@@ -5,9 +5,9 @@
 
 namespace sslv {
 
-// Each adds one command: its options, its help, and what it does.
+// Each function adds one command: its options, its help, and its action.
 
-// How a running daemon is.
+// State of a running daemon.
 void add_status(CommandLine& line);
 void add_watch(CommandLine& line);
 void add_cameras(CommandLine& line);
@@ -27,7 +27,7 @@ void add_sources(CommandLine& line);
 
 void add_colours(CommandLine& line);
 
-// Its settings.
+// Settings of a running daemon.
 void add_settings(CommandLine& line);
 void add_backup(CommandLine& line);
 void add_restore(CommandLine& line);

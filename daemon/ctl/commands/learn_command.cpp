@@ -24,7 +24,7 @@ struct LearnOptions {
   bool as_json = false, accept = false;
 };
 
-/// From the running daemon's live image.
+/// Learns from the running daemon's live images.
 int learn_live(const LearnOptions& o, const Client& daemon) {
   const Json report = learn_running(daemon, o.choice.camera_id, o.input.frames);
   print_answer(report, o.as_json, learning_text);

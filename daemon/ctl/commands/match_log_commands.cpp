@@ -91,7 +91,7 @@ void add_file_commands(CommandLine& line, CLI::App* group) {
   });
 }
 
-/// Teams and referees listen there, or to broadcasts.
+/// Whether teams and referees receive this group: one of the league's, or a broadcast address.
 bool is_the_leagues(const std::string& group) {
   boost::system::error_code error;
   const auto address = boost::asio::ip::make_address_v4(group, error);
@@ -99,7 +99,7 @@ bool is_the_leagues(const std::string& group) {
          group == TrackerSettings{}.group || (!error && !address.is_multicast());
 }
 
-/// Ranges of CLI11 let through what is no number.
+/// Ranges of CLI11 accept NaN.
 const CLI::Validator kFinite(
     [](std::string& text) {
       double value = 0;

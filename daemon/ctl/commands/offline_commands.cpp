@@ -229,7 +229,7 @@ void add_score(CommandLine& line) {
     return report.passed() ? EXIT_SUCCESS : EXIT_FAILURE;
   };
   const auto score_running = [&line, o] {
-    leave_out_missing_stages();  // that only the daemon has
+    leave_out_missing_stages();  // stages that only the daemon has
     const Config config = read_config(line.client().get_json("/api/settings").at("settings"));
     const SimulatedWorld world = simulated_world(config);
     const TrackScorer scorer = score_tracks(config, world, o->tracks_s);

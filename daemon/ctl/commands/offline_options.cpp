@@ -13,7 +13,7 @@ namespace sslv {
 void add_stages_options(CLI::App* command, StageFolders& folders) {
   command->add_option("--stages", folders.inside,
                       "a folder of stage libraries (*.so), whose stages a stack may name");
-  command->add_option("--stages-apart", folders.apart,
+  command->add_option("--stages-apart", folders.sandboxed,
                       "likewise; each of these stages runs in a process of its own");
 }
 

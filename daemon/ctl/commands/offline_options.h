@@ -10,7 +10,7 @@
 
 namespace sslv {
 
-/// The camera that the tools over files work with.
+/// Options that select a camera, for tools that work on files.
 struct CameraChoice {
   std::string settings_file;
   int camera_id = 0;
@@ -19,7 +19,7 @@ struct CameraChoice {
 
   void add_to(CLI::App* command);
   void add_lut_to(CLI::App* command);
-  /// These throw SettingsError, beginning with the file's name. To be called once: it loads stage libraries.
+  /// These throw SettingsError, beginning with the file's name. Call config() once: it loads stage libraries.
   Config config() const;
   std::size_t index_in(const Config& config) const;
 };
@@ -30,7 +30,7 @@ void add_stages_options(CLI::App* command, StageFolders& folders);
 /// How to read raw frames.
 struct RawFormat {
   std::string pixel_format, size;
-  int width = 0, height = 0;  // once parsed
+  int width = 0, height = 0;  // set by parse()
 
   void add_to(CLI::App* command);
   /// Throws SettingsError.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who may use the panel: its passwords, on the daemon's own computer; the match lock, by asking the daemon.
+// Access to the panel: its passwords, on the daemon's own computer; the match lock, through the daemon.
 #include "base/error.h"
 #include "config/version.h"
 #include "ctl/commands/commands.h"
@@ -68,7 +68,7 @@ void add_passwd(CommandLine& line) {
     }
     const auto file = options->state_folder / Passwords::kFileName;
     std::error_code ignored;
-    // A file that cannot be read any more must be replaced.
+    // A file that is no longer usable must be replaced.
     std::unique_ptr<Passwords> passwords;
     try {
       passwords = std::make_unique<Passwords>(file);

@@ -18,7 +18,7 @@
 namespace sslv {
 namespace {
 
-/// What all commands that change settings are told.
+/// Options of all commands that change settings.
 struct EditOptions {
   bool dry_run = false, as_json = false;
 
@@ -58,7 +58,7 @@ void add_set(CommandLine& line, CLI::App* parent) {
       "set",
       "POINTER VALUE [POINTER VALUE ...]: set these places, all of them or none, live and saved; a value is "
       "JSON, or a text when it is none; /list/- appends");
-  command->allow_extras();  // CLI11 would take a list among the words of an option apart
+  command->allow_extras();  // CLI11 would split a list among the words of an option
   edit->add_to(command);
   command->callback([&line, edit, command] {
     const std::vector<std::string> words = command->remaining();
@@ -226,7 +226,7 @@ void add_field_presets(CommandLine& line, CLI::App* field) {
     const Json presets_now = client.get_json("/api/field/presets");
     Json field_now = preset_named(presets_now, o->name).at("field");
     const Json settings = client.get_json("/api/settings");
-    // What is made of all that the cameras see is no part of a preset.
+    // The processing of the cameras' detections is not part of a preset.
     for (const char* kept : {"stack", "stages", "other_computers"})
       field_now[kept] = settings.at("settings").at("field").at(kept);
     return o->edit.edit(client, settings,

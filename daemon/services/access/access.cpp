@@ -18,11 +18,11 @@
 namespace sslv {
 namespace {
 
-// Five tries at once, then one in ten seconds; all addresses of a circle together twenty, then one a second:
-// hashing takes a core that the cameras need.
+// Each address has 5 tries and regains one every 10 s. All addresses of a circle together have 20 tries and
+// regain one per second, because hashing a password occupies a processor core that the cameras need.
 constexpr double kMaxTries = 5, kTryBack_s = 10, kMaxTriesOfCircle = 20, kTryOfCircleBack_s = 1;
 constexpr std::size_t kMaxAddresses = 1024;
-constexpr std::size_t kMaxKnown = 256;  // addresses, of each role
+constexpr std::size_t kMaxKnown = 256;  // remembered addresses per role
 
 std::string random_token() {
   std::array<std::uint8_t, 32> bytes{};
@@ -43,7 +43,8 @@ bool is_own_computer(const std::string& address) {
   return IN6_IS_ADDR_LOOPBACK(&v6) || (IN6_IS_ADDR_V4MAPPED(&v6) && v6.s6_addr[12] == kLoopback);
 }
 
-/// Of a network_of(): an IPv4 address's first three numbers. A computer can have many addresses of one.
+/// Subnet of a result of network_of(): the first three numbers of an IPv4 address. One computer can have many
+/// addresses in a subnet.
 std::string subnet_of(const std::string& network) {
   return network.substr(0, network.rfind('.'));
 }
@@ -130,7 +131,7 @@ Role Access::check(const std::string& password, const std::string& address) {
   {
     const std::lock_guard lock(mutex_);
     const Circle circle = circle_of(address);
-    // An admin's IPv6 network may have others in it, who must not use up the admin's tries.
+    // An admin's IPv6 network may have other people in it, who must not use up the admin's tries.
     key = circle == Circle::kAdmins ? "admin " + address : network_of(address);
     take_try(circle, key);
   }
@@ -143,7 +144,7 @@ Role Access::check(const std::string& password, const std::string& address) {
   if (*role == Role::kAdmin) {
     tries_.erase(key);
   } else if (const auto own = tries_.find(key); own != tries_.end()) {
-    own->second.left += 1;  // no more than was taken: who knows the viewers' may still guess the admin's
+    own->second.left += 1;  // gives back only this try: a viewer may be guessing the admin's password
   }
   remember(*role, address);
   return *role;
@@ -171,7 +172,7 @@ void Access::take_try(Circle circle, const std::string& key) {
   if (!own.take(now_s, kMaxTries, kTryBack_s)) throw TooManyTries(own.wait_s(kTryBack_s));
   Tries& common = circle_tries_.at(static_cast<std::size_t>(circle));
   if (!common.take(now_s, kMaxTriesOfCircle, kTryOfCircleBack_s)) {
-    own.left += 1;  // nothing was tried
+    own.left += 1;  // no password was checked
     throw TooManyTries(common.wait_s(kTryOfCircleBack_s));
   }
 }
@@ -181,7 +182,7 @@ void Access::remember(Role role, const std::string& address) {
   const auto has_role = [&](const auto& entry) { return entry.second.role == role; };
   known_.erase(address);
   if (std::count_if(known_.begin(), known_.end(), has_role) >= static_cast<std::ptrdiff_t>(kMaxKnown)) {
-    // One role's addresses take no place of the other's: everybody may know the viewers' password.
+    // Each role has its own limit: everybody may know the viewers' password.
     auto oldest = known_.end();
     for (auto entry = known_.begin(); entry != known_.end(); ++entry) {
       if (has_role(*entry) && (oldest == known_.end() || entry->second.at_s < oldest->second.at_s))
@@ -204,7 +205,7 @@ void Access::make_room_for_session(Role role) {
   }
   if (all < kMaxSessions) return;
   const double now_s = now_s_();
-  const auto rank = [&](const Session& session) {  // the highest leaves
+  const auto rank = [&](const Session& session) {  // the session with the highest rank ends
     const double idle_s = now_s - session.used_s;
     return std::tuple(idle_s > kPresent_s, of_subnet[subnet_of(session.network)], of_network[session.network],
                       idle_s);

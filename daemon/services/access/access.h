@@ -17,69 +17,71 @@
 
 namespace sslv {
 
-/// A sign-in that came too soon after others that failed.
+/// Thrown for a sign-in too soon after failed sign-ins.
 struct TooManyTries : HttpError {
   explicit TooManyTries(int seconds);
   int wait_s;
 };
 
-/// Who may do what. Without an admin's password everybody may change everything: the daemon serves its own
-/// computer only, then. With one, everybody may look, or only who knows the viewers' password where there is
-/// one. Who signs in gets a cookie with 256 random bits; sessions end with the service. May be used from any
-/// thread.
+/// Access control. Without an admin password, everybody may change everything; the daemon then serves only
+/// its own computer. With an admin password, everybody may look; if there is also a viewers' password, only
+/// people who know it may look. Signing in gives a cookie with 256 random bits; sessions end with the
+/// service. Thread-safe.
 class Access {
  public:
   using Clock = std::function<double()>;  // steady, s
   static constexpr double kIdle_s = 24 * 3600.0, kLongest_s = 7 * 24 * 3600.0;
-  /// Of each role. One that is too many ends one of its own role: if it can, one that was not used for
-  /// kPresent_s, which an open panel always was. Of these it is the idlest of the address that has most of
-  /// them, in the subnet that has most: who opens many ends only his own.
+  /// Limit for each role. At the limit, a new session ends an earlier session of the same role: preferably a
+  /// session that was not used for kPresent_s, as an open panel uses its session more often. Among the
+  /// candidates, it ends a session from the subnet with most sessions, there from the address with most
+  /// sessions, and of that address the session unused for longest. So a person who opens many sessions ends
+  /// only their own.
   static constexpr std::size_t kMaxSessions = 256;
   static constexpr double kPresent_s = 60;
 
-  /// `cookie`: its name; browsers do not tell the ports of a computer apart.
+  /// `cookie`: name of the cookie. Browsers share cookies between the ports of a computer.
   Access(Passwords& passwords, std::string cookie, Clock now_s);
 
-  /// By the Cookie header, "" when there is none.
+  /// `cookies`: the Cookie header, "" if there is none.
   May may(std::string_view cookies);
 
   /// {"may": ..., "signed_in": ..., "passwords": [...]} of docs/openapi.json.
   Json state(std::string_view cookies);
 
-  /// The Set-Cookie header. Takes some ten milliseconds. Throws HttpError 401 for a wrong password,
-  /// TooManyTries, and HttpError 409 when there is no password.
+  /// Returns the Set-Cookie header. Takes some ten milliseconds. Throws HttpError 401 for a wrong password,
+  /// TooManyTries, and HttpError 409 if no password is set.
   std::string sign_in(const std::string& password, const std::string& address);
-  /// The Set-Cookie header that removes the cookie.
+  /// Returns the Set-Cookie header that removes the cookie.
   std::string sign_out(std::string_view cookies);
 
-  /// Sets the password of a role, or removes the viewers' password. The client that did so stays signed in,
-  /// all others that used the old one are signed out. With an admin's password set, `admin_password` must be
-  /// it. Answers with the Set-Cookie header. Throws as sign_in() and Passwords::set() do.
+  /// Sets the password of a role, or removes the viewers' password. This client stays signed in; all other
+  /// clients that used the old password are signed out. If an admin password is set, `admin_password` must
+  /// match it. Returns the Set-Cookie header. Throws like sign_in() and Passwords::set().
   std::string set_password(Role role, const std::optional<std::string>& password,
                            const std::string& admin_password, const std::string& address);
 
-  /// Whether strangers must leave room for this address: it is this computer's own, or the current
-  /// admin password came from it within kLongest_s. Takes no time.
+  /// Whether this address may use reserved connections: it is this computer's own, or the current admin
+  /// password was given from it within kLongest_s. Fast.
   bool is_trusted(const std::string& address);
 
  private:
   struct Session {
     Role role;
-    std::string hash;     // of the password it was opened with
-    std::string network;  // that it was opened from
+    std::string hash;     // hash of the password that opened it
+    std::string network;  // network from which it was opened
     double opened_s, used_s;
   };
-  /// An address that somebody signed in from.
+  /// An address from which somebody signed in.
   struct Known {
     Role role;
-    std::string hash;  // of the password that was given
+    std::string hash;  // hash of the password that was given
     double at_s;
   };
-  /// Addresses that share a limit of tries. Each circle has its own, so that none of them can use up
-  /// another's.
+  /// Group of addresses that share a limit of password tries. Each circle has its own limit, so that no
+  /// circle can use up the tries of another.
   enum class Circle { kStrangers, kViewers, kAdmins, kThisComputer };
   static constexpr std::size_t kCircles = 4;
-  /// Tries that may still be made: they come back with time.
+  /// Remaining password tries; they are regained over time.
   struct Tries {
     double left, at_s;
     bool take(double now_s, double most, double back_s);
@@ -100,10 +102,10 @@ class Access {
   Passwords& passwords_;
   const std::string cookie_;
   const Clock now_s_;
-  std::mutex mutex_;                         // guards what follows
+  std::mutex mutex_;                         // guards the members below
   std::map<std::string, Session> sessions_;  // by token
   std::map<std::string, Known> known_;       // by address
-  std::map<std::string, Tries> tries_;       // by network, an admin's by address
+  std::map<std::string, Tries> tries_;       // by network; for admins by address
   std::array<Tries, kCircles> circle_tries_;
 };
 

@@ -58,7 +58,7 @@ std::vector<Route> AccessService::routes() {
       {"GET", "/api/session", [this](const Request& request) { return state_response(request.cookies); },
        Needs::kNothing, Speed::kAtOnce},
       {"POST", "/api/session", call(&AccessService::sign_in), Needs::kNothing,
-       Speed::kTakesMemory},  // 16 MiB for a password's hash
+       Speed::kTakesMemory},  // hashing a password takes 16 MiB
       {"DELETE", "/api/session", call(&AccessService::sign_out), Needs::kNothing},
       {"PUT", "/api/passwords/([^/]+)", call(&AccessService::set_password), Needs::kChange,
        Speed::kTakesMemory},
@@ -71,8 +71,8 @@ void AccessService::report(HealthReport& report) const {
 }
 
 void AccessService::each_second() {
-  refresh();  // also for those who stay connected
-  // Also so that it is closed when the match ends.
+  refresh();  // also for clients that stay connected
+  // state() also locks again when the match ends.
   const bool is_running = match_lock_.state().game_is_running;
   if (std::exchange(was_running_, is_running) == is_running) return;
   events_.add(is_running
@@ -86,7 +86,7 @@ Response AccessService::state_response(const std::string& cookies) {
   return json_response(out);
 }
 
-/// What it answers holds for the cookie that it hands out.
+/// Answers with the state that applies to the new cookie.
 Response AccessService::set_cookie_response(const std::string& set_cookie) {
   Response response = state_response(set_cookie.substr(0, set_cookie.find(';')));
   response.headers.emplace_back("Set-Cookie", set_cookie);

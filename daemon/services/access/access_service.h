@@ -13,17 +13,16 @@
 
 namespace sslv {
 
-/// Who may do what, and when: passwords, sessions, the match lock.
+/// Access control: passwords, sessions, the match lock.
 class AccessService final : public Service, public Gate {
  public:
-  /// All must outlive this. The cookie's name holds the panel's port: browsers do not tell the ports of a
-  /// computer apart.
-  /// `reach`: see PanelPlace.
+  /// All must outlive this. The cookie's name contains the panel's port because browsers share cookies
+  /// between the ports of a computer. `reach`: see PanelPlace.
   AccessService(const Snapshot<Config>& config, Passwords& passwords, MatchLock& match_lock,
                 const Snapshot<PanelReach>& reach);
 
   // Gate
-  void refresh() override { passwords_.reload_if_changed(); }  // ssl-visionctl may have set one
+  void refresh() override { passwords_.reload_if_changed(); }  // ssl-visionctl may have changed them
   May may(std::string_view cookies) override { return access_.may(cookies); }
   std::string lock_reason() override { return match_lock_.state().is_locked() ? MatchLock::kReason : ""; }
   std::vector<std::string> names() const override { return config_.load()->panel.names; }
@@ -49,7 +48,7 @@ class AccessService final : public Service, public Gate {
   const Snapshot<PanelReach>& reach_;
   Access access_;
   EventQueue events_;
-  bool was_running_ = false;  // the game, at the last each_second()
+  bool was_running_ = false;  // whether the game was running at the last each_second()
 };
 
 }  // namespace sslv

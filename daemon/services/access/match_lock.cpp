@@ -8,12 +8,12 @@
 namespace sslv {
 
 MatchLock::State MatchLock::state() {
-  // A controller that was switched off locks nobody out.
+  // A controller that was switched off must not keep the settings locked.
   constexpr double kMaxSilence_s = 30;
   const RefereeStatus referee = referee_.status(steady_s());
   const bool running = config_.load()->panel.match_lock && referee.game_is_running &&
                        referee.silent_s.value_or(0) < kMaxSilence_s;
-  // A HALT in between, half time, or a controller that is started again does not end the match.
+  // A HALT, half time or a restarted controller does not end the match.
   if (!config_.load()->panel.match_lock || !referee.is_in_match()) opened_ = false;
   return {running, opened_};
 }

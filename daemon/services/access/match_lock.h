@@ -10,8 +10,8 @@
 
 namespace sslv {
 
-/// While a match runs, as the game controller says, nothing is changed unless an admin has unlocked it for
-/// this match, with its HALTs and breaks. May be used from any thread.
+/// Locks the settings while the game controller says that a match is running, unless an admin has unlocked
+/// them for this match, including its HALTs and breaks. Thread-safe.
 class MatchLock {
  public:
   struct State {
@@ -23,11 +23,11 @@ class MatchLock {
   MatchLock(const Snapshot<Config>& config, const RefereeListener& referee)
       : config_(config), referee_(referee) {}
 
-  /// It is closed again when the match ends: to be asked now and then.
+  /// Also locks again when the match ends: call it periodically.
   State state();
-  /// Until the match ends. `who`: the client's address. Throws HttpError 409 when no match runs.
+  /// Valid until the match ends. `who`: the client's address. Throws HttpError 409 if no match is running.
   State set_opened(bool opened, const std::string& who);
-  /// Throws HttpError 423 while it is locked. `or_what`: how the client may insist, or "".
+  /// Throws HttpError 423 while locked. `or_what`: how the client may override the lock, or "".
   void refuse_if_locked(const std::string& or_what = {});
 
   static constexpr const char* kReason =

@@ -36,7 +36,7 @@ std::string listening_address(const PanelSettings& panel, bool has_password) {
 void PanelPlace::listen(const WebParts& parts, const std::filesystem::path& panel_folder,
                         WebCounters& counters) {
   {
-    const std::lock_guard lock(mutex_);  // requests come before it returns
+    const std::lock_guard lock(mutex_);  // requests may arrive before emplace() returns
     place_ = place_of(config_.load()->panel, passwords_);
     server_.emplace(parts, WebOptions{place_.first, place_.second, panel_folder}, counters);
   }
@@ -59,7 +59,8 @@ Plan PanelPlace::plan_move(const PanelSettings& panel) const {
   const auto place = place_of(panel, passwords_);
   const std::lock_guard lock(mutex_);
   if (!server_ || place == place_) return {};
-  const int port = place.second == place_.second ? server_->port() : place.second;  // 0 stays what was found
+  // If the setting is unchanged, keep the actual port: for port 0, the system has chosen it.
+  const int port = place.second == place_.second ? server_->port() : place.second;
   const auto move = std::make_shared<std::function<void()>>();
   auto& self = later(*this);
   return {.get_ready =
@@ -95,7 +96,7 @@ void PanelPlace::follow_settings() {
   }
 }
 
-/// Cards come and go, and get other addresses.
+/// Called once a second, because network cards and their addresses change.
 void PanelPlace::look_for_addresses() {
   std::string listens_on;
   {

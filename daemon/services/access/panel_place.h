@@ -16,23 +16,24 @@
 
 namespace sslv {
 
-/// Where the panel is to listen: "" has found its meaning. Throws SettingsError when that can be reached from
-/// other computers while there is no password.
+/// Returns the address to listen on; replaces "" by an actual address. Throws SettingsError if other
+/// computers can reach the address while no password is set.
 std::string listening_address(const PanelSettings& panel, bool has_password);
 
-/// The panel's server: where the settings say, and on the network once there is a password.
+/// Runs the panel's server at the address in the settings. If that is empty, the panel is reachable only from
+/// this computer until a password is set, and then from the network.
 class PanelPlace final : public Service {
  public:
-  /// Nobody listens before listen(). `reach` says where browsers find it, at most a second late. All must
-  /// outlive this.
+  /// The server listens only from listen() on. `reach` receives the addresses at which browsers find the
+  /// panel, at most a second late. All must outlive this.
   PanelPlace(const Snapshot<Config>& config, const Passwords& passwords, Snapshot<PanelReach>& reach)
       : config_(config), passwords_(passwords), reach_(reach) {}
 
-  /// Once, where the settings say. Throws SettingsError.
+  /// Starts listening at the address in the settings. Call it once. Throws SettingsError.
   void listen(const WebParts& parts, const std::filesystem::path& panel_folder, WebCounters& counters);
-  /// Once it listens.
+  /// Valid after listen().
   int port() const { return server_->port(); }
-  /// From here on nobody asks for anything.
+  /// No request is handled after it returns.
   void stop();
 
   // Service
@@ -49,9 +50,9 @@ class PanelPlace final : public Service {
   const Passwords& passwords_;
   std::optional<WebServer> server_;
   Snapshot<PanelReach>& reach_;
-  mutable std::mutex mutex_;           // guards the next; held while the panel moves
-  std::pair<std::string, int> place_;  // address and port that it listens on, as settings say
-  std::string problem_;                // why it could not move; of the thread that calls each_second()
+  mutable std::mutex mutex_;           // guards place_; held while the panel moves
+  std::pair<std::string, int> place_;  // address and port that it listens on, as in the settings
+  std::string problem_;                // why the panel could not move; used by each_second()'s thread
 };
 
 }  // namespace sslv

@@ -10,19 +10,20 @@
 
 namespace sslv {
 
-/// Where browsers find the panel.
+/// Addresses at which browsers find the panel.
 struct PanelReach {
   std::uint16_t port = 0;
-  std::vector<std::string> addresses{};  // http://..., for other computers; none: only this computer
+  std::vector<std::string> addresses{};  // http://..., for other computers; empty: only this one
 
   bool operator==(const PanelReach&) const = default;
 };
 
-/// What reaches a server that listens there, on a computer with these network cards.
+/// Returns the addresses of a server that listens on `listens_on` and `port`, on a computer with these
+/// network cards.
 PanelReach panel_reach(const std::string& listens_on, std::uint16_t port,
                        const std::vector<NetworkCard>& cards);
 
-/// docs/openapi.json's PanelReach.
+/// PanelReach of docs/openapi.json.
 Json panel_reach_json(const PanelReach& reach);
 
 }  // namespace sslv

@@ -27,7 +27,7 @@ constexpr const char* kSumsName = "SHA256SUMS";
 constexpr const char* kFormat = "ssl-visiond backup";
 constexpr int kFormatVersion = 1;
 
-/// The manifest as it is written.
+/// File format of the manifest.
 struct ManifestFile {
   std::string format = kFormat;
   int format_version = kFormatVersion;
@@ -49,7 +49,7 @@ struct ManifestFile {
   throw SettingsError(text);
 }
 
-/// Of a program that is newer, before anything else is looked at: all may be different then.
+/// Checks the format version first: everything else may differ in a newer program's manifest.
 BackupManifest manifest_in(const std::string& text) {
   Json json;
   try {
@@ -77,7 +77,7 @@ BackupManifest manifest_in(const std::string& text) {
   }
 }
 
-/// As `sha256sum` writes them.
+/// In the format of `sha256sum`.
 std::string sums_of(const BackupFiles& files) {
   std::string out;
   for (const auto& [name, content] : files) out += fmt::format("{}  {}\n", sha256_of(content), name);
@@ -101,7 +101,7 @@ BackupFiles unpacked(std::string_view bytes, const std::stop_token& stop) {
   return files;
 }
 
-/// Which file is damaged, where the sums say that one is.
+/// Throws SettingsError naming the file that is damaged according to the checksums.
 void check_sums(const BackupFiles& files, std::string_view sums) {
   std::set<std::string_view> left;
   for (const auto& [name, content] : files) left.insert(name);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A backup is a .tar.gz with a manifest, the files of its parts, and SHA256SUMS, which `sha256sum --check`
-// reads, of all the others. The sums find damage. They do not tell who made a backup: what is in one is
-// checked as what comes over the network is.
+// A backup is a .tar.gz with a manifest, the files of its parts, and SHA256SUMS, which has the checksums of
+// all other files for `sha256sum --check`. The checksums find damage but do not prove who made a backup: its
+// content is validated like input from the network.
 
 #include "base/json.h"
 #include "services/backup_part.h"
@@ -15,10 +15,10 @@
 
 namespace sslv {
 
-/// Where a backup is from.
+/// Origin of a backup.
 struct BackupManifest {
   double time_s = 0;
-  std::string version;  // of the program
+  std::string version;  // version of the program that made it
   std::string computer, site;
 };
 
@@ -27,11 +27,11 @@ struct Backup {
   BackupFiles files;
 };
 
-/// Its bytes. Throws StorageError when they would be too many, or it is told to stop.
+/// Returns the backup's bytes. Throws StorageError if the backup is too large, or when stopped.
 std::string write_backup(Backup backup, const std::stop_token& stop = {});
 
-/// Throws SettingsError where they are none, or damaged, or one that a newer program made, or it is told to
-/// stop.
+/// Throws SettingsError if the bytes are not a backup, are damaged or were made by a newer program, or when
+/// stopped.
 Backup read_backup(std::string_view bytes, const std::stop_token& stop = {});
 
 }  // namespace sslv

@@ -28,7 +28,7 @@
 namespace sslv {
 namespace {
 
-/// What was here before the newest restore, profiles and histories too.
+/// Backup of the state before the newest restore, including profiles and histories.
 constexpr const char* kBeforeName = "before_restore.sslvision";
 
 constexpr const char* kBackupType = "application/gzip";
@@ -40,16 +40,16 @@ std::string all_bytes_of(const std::filesystem::path& file) {
 
 }  // namespace
 
-/// A backup that was read: what it holds, ready to be saved.
+/// A backup that was read and is ready to be saved.
 struct BackupService::Read {
   BackupManifest manifest;
   KeptSettings settings;
-  Json summary;  // of what it holds
+  Json summary;  // summary of the files
   bool has_passwords = false;
   std::vector<std::unique_ptr<SavedWith>> parts;
 };
 
-/// All parts of a backup, and first a backup of what they take the place of.
+/// All parts of a backup that is being restored. First saves a backup of the data that they replace.
 class BackupService::Restored final : public SavedWith {
  public:
   Restored(StateFolder& folder, std::string before, std::vector<std::unique_ptr<SavedWith>> parts)

@@ -15,10 +15,10 @@
 
 namespace sslv {
 
-/// Everything that the service keeps, in one file, and back from one: on this computer or another.
+/// Backs up everything that the service stores into one file, and restores it on this computer or another.
 class BackupService final : public Service {
  public:
-  /// `parts`: what is kept beside the settings, but for passwords. All must outlive this.
+  /// `parts`: the data stored beside the settings, except profiles and passwords. All must outlive this.
   BackupService(StateFolder& folder, SettingsEditor& settings, Passwords& passwords, Profiles& profiles,
                 std::vector<BackupPart*> parts);
 
@@ -32,9 +32,9 @@ class BackupService final : public Service {
   Response check(const Request& request);
   Response restore(const Request& request);
 
-  /// `is_whole`: throws StorageError where a table that the settings name is lost.
+  /// `is_whole`: throws StorageError if a table that the settings name is missing.
   Backup make(bool with_passwords, bool is_whole) const;
-  /// All that can be checked without the settings' transaction. Throws SettingsError.
+  /// Validates everything that does not need the settings' transaction. Throws SettingsError.
   Read read(const Request& request);
   Json contents_json(const Read& read);
 
@@ -43,8 +43,8 @@ class BackupService final : public Service {
   Passwords& passwords_;
   PasswordsPart passwords_part_;
   ProfilesPart profiles_part_;
-  std::vector<BackupPart*> parts_;  // all of them
-  std::mutex mutex_;                // one is read or restored at a time
+  std::vector<BackupPart*> parts_;  // all, including profiles and passwords
+  std::mutex mutex_;                // serializes reading and restoring backups
 };
 
 }  // namespace sslv

@@ -31,7 +31,7 @@ class RestoredProfiles final : public SavedWith {
  private:
   Profiles& profiles_;
   const std::optional<std::vector<Profile>> next_;
-  std::optional<std::vector<Profile>> old_;  // nothing: there is no file
+  std::optional<std::vector<Profile>> old_;  // nullopt: there was no file
 };
 
 class RestoredPasswords final : public SavedWith {

@@ -18,15 +18,15 @@ class ProfilesPart final : public BackupPart {
   Profiles& profiles_;
 };
 
-/// Hashes of passwords. A computer that has a password keeps its own: who may change settings is not to set
-/// another password without knowing this one.
+/// Hashes of passwords. A computer that already has a password keeps it: a person who may change settings
+/// must not be able to set another password without knowing the current one.
 class PasswordsPart final : public BackupPart {
  public:
   explicit PasswordsPart(Passwords& passwords) : passwords_(passwords) {}
   BackupFiles files(const Config& config) const override;
   bool has(const std::string& name) const override { return name == Passwords::kFileName; }
   std::unique_ptr<SavedWith> prepare(BackupFiles files) override;
-  /// Whether those of the backup that was prepared last were taken over.
+  /// Whether the passwords of the backup that was prepared last were restored.
   bool has_restored() const { return has_restored_; }
 
  private:

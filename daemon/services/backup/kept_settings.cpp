@@ -41,7 +41,7 @@ KeptSettings read_kept_settings(const std::string& text) {
   const auto refuse = [](const std::string& why) {
     throw SettingsError(fmt::format("{}: {}", kSettingsName, why));
   };
-  // Less than of other JSON: settings are copied twice while they are checked.
+  // Lower than for other JSON: settings are copied twice during validation.
   constexpr std::size_t kMaxBytes = 8 * 1024 * 1024;
   KeptSettings out;
   try {

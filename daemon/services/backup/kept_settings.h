@@ -10,23 +10,24 @@
 
 namespace sslv {
 
-/// The name in a backup of the file with all settings, whole: in the state folder lie only changes.
+/// Name of a backup's file with all settings; the state folder stores only changes of the settings.
 inline constexpr const char* kSettingsName = "settings.json";
 
-/// The settings in effect, with their history, and what was read from them.
+/// Returns the settings in effect with their history, and the Config that was read from them.
 std::pair<KeptSettings, std::shared_ptr<const Config>> kept_settings(const SettingsEditor& settings);
 
 std::string to_text(const KeptSettings& settings);
 /// Throws SettingsError, beginning with the file's name.
 KeptSettings read_kept_settings(const std::string& text);
 
-/// Settings whose tables are not there could not be restored. Throws StorageError.
+/// Throws StorageError if `files` lack a table that the settings name: without it, the settings could not be
+/// restored.
 void check_has_tables(const Config& config, const BackupFiles& files);
 
-// For people, as docs/openapi.json has them:
-/// [{"id": 0, "name": "..."}]. What is none is left out.
+// Human-readable summaries, as in docs/openapi.json.
+/// [{"id": 0, "name": "..."}]. Entries that are not cameras are left out.
 Json cameras_of(const Json& settings);
-/// How many tables, which profiles, how many calibrations.
+/// Number of tables, names of profiles, number of calibrations.
 Json files_summary(const BackupFiles& files);
 
 }  // namespace sslv

@@ -6,7 +6,7 @@
 namespace sslv {
 namespace {
 
-/// What is painted, of the settings' /field.
+/// Reduces the settings' /field to the sizes of the painted lines.
 Json painted(Json field) {
   for (const char* other : {"goal_depth", "goal_height", "goal_width", "boundary_width",
                             "boundary_width_goal_line", "goal_substitution_area_width", "ball_radius",
@@ -25,7 +25,8 @@ bool field_changed_since(double time_s, const Json& settings, const Json& steps)
       then = then.patch(backward_patch(step.at("changes")));
     }
   } catch (const Json::exception&) {
-    // The admin's file was edited in between: that far back it is known.
+    // The admin's file was edited in between, so older steps do not apply. Compare with the settings reached
+    // so far.
   }
   return painted(then.at("field")) != painted(settings.at("field"));
 }

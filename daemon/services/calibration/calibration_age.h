@@ -5,9 +5,9 @@
 
 namespace sslv {
 
-/// Whether the field that calibration rests on (sizes and lines, not the goals' height or ball and robot) is
-/// another one than at a Unix time. `steps` are the settings' history, newest first, as far as it is known:
-/// what was changed before, or in the admin's own file, is not seen.
+/// Whether the painted field (sizes and lines, not the goals' height, the ball or the robots) differs from
+/// the painted field at Unix time `time_s`. `steps`: the settings' history, newest first. Changes before its
+/// oldest step, or in the admin's own file, are not detected.
 bool field_changed_since(double time_s, const Json& settings, const Json& steps);
 
 }  // namespace sslv

@@ -95,7 +95,7 @@ CalibrationHistory::ByCamera CalibrationHistory::from_text(const std::string& te
     records = history_in(parse_bounded_json(text));
   } catch (const SettingsError& error) {
     refuse(error.what());
-  } catch (const std::exception& error) {  // no JSON
+  } catch (const std::exception& error) {  // not JSON
     refuse(error.what());
   }
   for (const auto& [id, of_camera] : records) {

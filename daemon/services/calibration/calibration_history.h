@@ -21,10 +21,10 @@ class StateFolder;
 struct CalibrationRecord {
   double time_s = 0;
   std::string who;                // the client's address
-  Json figures = Json::object();  // of its report
+  Json figures = Json::object();  // figures of the calibration's report
   CameraCalibration calibration;
-  std::optional<CameraCalibration> replaced;  // what was in effect before
-  std::optional<double> reverted_s;           // when `replaced` was put back
+  std::optional<CameraCalibration> replaced;  // calibration in effect before
+  std::optional<double> reverted_s;           // when `replaced` was restored
   std::string reverted_by;
 
   static constexpr auto fields() {
@@ -42,30 +42,31 @@ struct CalibrationRecord {
   }
 };
 
-/// The last calibrations of every camera, oldest first, kept in a file. One thread at a time.
+/// The latest calibrations of every camera, oldest first, stored in a file. Not thread-safe.
 class CalibrationHistory {
  public:
   using Records = std::vector<CalibrationRecord>;
   using ByCamera = std::map<int, Records>;
 
-  /// Kept in calibrations.json. A file that cannot be used is set aside (renamed *.rejected).
+  /// Stored in calibrations.json. A file that cannot be used is set aside (renamed *.rejected).
   explicit CalibrationHistory(StateFolder& folder);
 
-  /// Of a camera; empty when there are none.
+  /// The records of a camera; empty when there are none.
   const Records& of(int camera_id) const;
 
-  /// Replaces these cameras' records, on disk first, but for those that are too many. Throws StorageError;
-  /// nothing has changed then.
+  /// Replaces these cameras' records, on disk first; keeps only the newest records of each camera. Throws
+  /// StorageError, with nothing changed.
   void set(const ByCamera& records);
   void set(int camera_id, Records records) { set({{camera_id, std::move(records)}}); }
 
-  // All of it as a file of a backup.
+  // The whole history as a file of a backup.
   static constexpr const char* kFileName = "calibrations.json";
-  /// Nothing where there is no such file.
+  /// The content of the file; nullopt if there is neither a file nor a record.
   std::optional<std::string> to_text() const;
   /// Throws SettingsError, beginning with the file's name.
   static ByCamera from_text(const std::string& text);
-  /// Takes these for all, on disk first; nothing: no file. Throws StorageError; nothing has changed then.
+  /// Replaces the whole history, on disk first; nullopt removes the file. Throws StorageError, with nothing
+  /// changed.
   void replace(std::optional<ByCamera> records);
 
  private:
@@ -74,7 +75,7 @@ class CalibrationHistory {
   ByCamera records_;
 };
 
-/// The newest record that was not taken back; nullptr when there is none.
+/// The newest record that was not reverted; nullptr when there is none.
 CalibrationRecord* newest_in_force(CalibrationHistory::Records& records);
 
 }  // namespace sslv

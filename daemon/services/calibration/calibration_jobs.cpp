@@ -11,7 +11,7 @@
 namespace sslv {
 namespace {
 
-/// Points outside the image are a mistake that the engine would search in vain for.
+/// Throws SettingsError for points outside the image, because no calibration can be found with such points.
 void check_points(const CalibrationRequest& request, const MeanPicture& picture) {
   for (std::size_t i = 0; i < request.points.size(); ++i) {
     const CalibrationPoint& point = request.points[i];
@@ -27,10 +27,10 @@ void check_points(const CalibrationRequest& request, const MeanPicture& picture)
   }
 }
 
-/// The mean of fresh frames; of too few when it was stopped. Throws CaptureError.
+/// Returns the mean of `wanted` fresh frames; when stopped, of fewer frames. Throws CaptureError.
 MeanPicture collect(FreshFrames frames, int wanted, const JobProgress& progress,
                     const std::stop_token& stop) {
-  constexpr std::chrono::milliseconds kLook{100};  // how soon a cancellation is seen
+  constexpr std::chrono::milliseconds kLook{100};  // longest delay of a cancellation
   MeanPicture mean;
   while (mean.frames() < wanted && !stop.stop_requested()) {
     const auto frame = frames.next(kLook);

@@ -20,12 +20,12 @@ struct CalibrationOrder {
   double time_s = 0;
 };
 
-/// Calibrates cameras while they go on working, each by itself. Keys are the cameras' ids.
+/// Calibrates single cameras while they keep running. Keys are the cameras' ids.
 using CalibrationJobs = BackgroundJobs<CalibrationOrder, CalibrationReport>;
 
 CalibrationJobs make_calibration_jobs(WaitFrame wait_frame, std::chrono::milliseconds silence = kSilence);
 
-/// For cameras that show something else from now on, or are gone.
+/// Fails the jobs of cameras whose view has changed or that are gone.
 void invalidate(CalibrationJobs& jobs, const std::set<int>& camera_ids);
 
 }  // namespace sslv

@@ -17,7 +17,7 @@
 namespace sslv {
 namespace {
 
-/// Place of a camera in the settings. Throws HttpError 404.
+/// Index of a camera in the settings. Throws HttpError 404.
 std::size_t place_of(const Json& settings, int camera_id) {
   const Json& cameras = settings.at("cameras");
   for (std::size_t i = 0; i < cameras.size(); ++i) {
@@ -32,7 +32,7 @@ const Json& calibration_in(const Json& settings, int camera_id) {
 
 }  // namespace
 
-/// The history of some cameras, as it is to be, while settings are saved. With the lock held.
+/// Saves new records of some cameras together with the settings. The mutex must be held.
 class CalibrationRecords::SavedHistory final : public SavedWith {
  public:
   SavedHistory(CalibrationHistory& history, CalibrationHistory::ByCamera records)
@@ -54,7 +54,7 @@ class CalibrationRecords::SavedHistory final : public SavedWith {
   CalibrationHistory::ByCamera old_records_;
 };
 
-/// A history that is to take the place of all of this one.
+/// Replaces the whole history by the history in a backup. Holds the mutex.
 class CalibrationRecords::RestoredHistory final : public SavedWith {
  public:
   RestoredHistory(std::unique_lock<std::mutex> lock, CalibrationHistory& history,
@@ -165,7 +165,7 @@ std::set<int> CalibrationRecords::find_stale() const {
     const int id = camera.at("id").get<int>();
     CalibrationHistory::Records records = history_.of(id);
     const CalibrationRecord* newest = newest_in_force(records);
-    // If the calibration was set in another way, its field is unknown.
+    // If the calibration was set by other means, it is unknown on which field it was made.
     if (newest == nullptr || camera.at("calibration") != params_to_json(newest->calibration)) continue;
     if (field_changed_since(newest->time_s, settings, steps)) stale.insert(id);
   }

@@ -13,39 +13,40 @@
 
 namespace sslv {
 
-/// A calibration that is to be accepted.
+/// A calibration to be accepted.
 struct NewCalibration {
   int camera_id;
   CameraCalibration calibration;
-  Json figures;  // of its report
+  Json figures;  // figures of the calibration's report
 };
 
-/// Puts calibrations into the settings, with a history of them that is saved with the settings or not at all.
-/// May be used from any thread.
+/// Writes calibrations to the settings, with a history that is saved together with the settings or not at
+/// all. Thread-safe.
 class CalibrationRecords final : public BackupPart {
  public:
   /// Both must outlive this.
   CalibrationRecords(StateFolder& folder, SettingsEditor& settings) : settings_(settings), history_(folder) {}
 
-  /// Newest first, as docs/openapi.json has them.
+  /// Newest first, as specified in docs/openapi.json.
   Json history_json(int camera_id) const;
 
-  /// All or none. `current`: the settings that the decision was made on; throws HttpError 409 when they have
-  /// changed since, 404 without such a camera, and what SettingsEditor::patch() throws.
+  /// Accepts all or none. `current`: the settings that the decision was based on. Throws HttpError 409 if the
+  /// settings have changed since, 404 for an unknown camera, and the exceptions of SettingsEditor::patch().
   void accept(const std::vector<NewCalibration>& calibrations, const SettingsStore::Version& current,
               const std::string& who);
 
-  /// Back to what the newest record that was not taken back replaced. Throws HttpError 409 when there is
-  /// none, or when the calibration was changed in another way since, unless forced; and as accept() does.
+  /// Reverts the newest record that was not reverted yet: restores the calibration that it replaced. Throws
+  /// HttpError 409 if there is no such record or, unless forced, if the calibration was changed by other
+  /// means since; also throws like accept().
   void revert(int camera_id, bool force, const std::string& who);
 
-  /// Ids of the cameras that were calibrated on another field than that of the settings.
+  /// Ids of the cameras that were calibrated on another painted field than the settings now describe.
   std::set<int> find_stale() const;
 
   // BackupPart
   BackupFiles files(const Config& config) const override;
   bool has(const std::string& name) const override { return name == CalibrationHistory::kFileName; }
-  /// No calibration is accepted or reverted until what is returned goes.
+  /// No calibration is accepted or reverted until the returned object is destroyed.
   std::unique_ptr<SavedWith> prepare(BackupFiles files) override;
 
  private:
@@ -54,7 +55,7 @@ class CalibrationRecords final : public BackupPart {
   struct Change {
     int camera_id;
     Json calibration;
-    CalibrationHistory::Records records;  // all of the camera's
+    CalibrationHistory::Records records;  // all records of this camera
   };
   void commit(const std::vector<Change>& changes, const SettingsStore::Version& current,
               const std::string& what, const std::string& who);

@@ -9,15 +9,15 @@
 
 namespace sslv {
 
-/// What is known of a camera's calibration.
+/// State of a camera's calibration.
 struct CalibrationFacts {
   int camera_id = 0;
-  int width_px = 0, height_px = 0;  // of its frames; 0: none yet
+  int width_px = 0, height_px = 0;  // size of its frames; 0: no frame yet
   std::optional<CameraCalibration> calibration;
-  bool field_changed = false;  // since it was calibrated
+  bool field_changed = false;  // the field was changed after the calibration
 };
 
-/// Adds their alerts and the check "calibration".
+/// Adds the cameras' alerts and the check "calibration".
 void report_calibrations(std::span<const CalibrationFacts> cameras, HealthReport& report);
 
 }  // namespace sslv

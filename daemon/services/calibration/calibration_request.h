@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What calibrations of one camera and of several share: how they are asked for and shown.
+// Requests and JSON common to the calibration of one camera and of several.
 
 #include "base/background_jobs.h"
 #include "base/params_json.h"
@@ -21,19 +21,19 @@ struct ForceOption {
   }
 };
 
-/// Of a body that says nothing else.
+/// Reads `force` from a body without other keys.
 bool force_of(const Request& request);
-/// Takes it out of a body that says more.
+/// Removes `force` from a body with other keys and returns it.
 bool take_force(Json& body);
 
-/// Throws HttpError: 423 while the game runs, 409 for a report that is not good enough. `what` it is of, with
-/// its verb.
+/// Throws HttpError: 423 while the game runs, 409 for a report that is not good enough. `what`: subject and
+/// verb of the message.
 void refuse_acceptance(MatchLock& match_lock, bool is_good, const std::vector<std::string>& problems,
                        const std::string& what);
 
 inline constexpr const char* kOrForce = ", or do it anyway (force)";
 
-/// What the JSON of every kind of calibration says of its newest job.
+/// The part of the newest job's JSON that all kinds of calibration have in common.
 template <class Job>
 Json job_json(const Job& job) {
   return {{"state", name_of(job.state)},

@@ -15,7 +15,8 @@
 namespace sslv {
 namespace {
 
-/// What the field's sizes mean: as was found, else as was asked for, else as the rules say.
+/// Returns the part of the lines to which the field's sizes were measured: as found by the job, else as
+/// requested, else to the middle, as in the rules.
 LinesMeasured lines_measured_to(const CalibrationJobs::Job& job) {
   if (job.report) return job.report->measured;
   if (job.order) return job.order->request.lines_measured_to.value_or(LinesMeasured::kToMiddle);
@@ -53,7 +54,7 @@ std::vector<Route> CalibrationService::routes() {
        [this](const Request& request) {
          return json_response(state_json(cameras_.get(path_camera_id(request)).id));
        }},
-      // These look at the match lock themselves, where they have to.
+      // These handlers check the match lock themselves where needed.
       {"POST", R"(/api/cameras/(\d+)/calibration)", call(&CalibrationService::start), Needs::kChange},
       {"DELETE", R"(/api/cameras/(\d+)/calibration)", call(&CalibrationService::cancel), Needs::kChange},
       {"POST", R"(/api/cameras/(\d+)/calibration/accept)", call(&CalibrationService::accept), Needs::kChange},
@@ -114,7 +115,7 @@ Response CalibrationService::reject(const Request& request) {
 Response CalibrationService::accept(const Request& request) {
   const int camera_id = path_camera_id(request);
   const bool force = force_of(request);
-  // Before the job: a change of the camera from now on makes these settings old, and so the acceptance fail.
+  // Read before the job: if the camera changes from now on, these settings are outdated and accept() fails.
   const SettingsStore::Version current = settings_.current();
   const CalibrationJobs::Job job = jobs_.job(camera_id);
   if (!job.report || !job.report->found)

@@ -14,7 +14,7 @@
 
 namespace sslv {
 
-/// Calibrates cameras, each alone: from a click or none to what is accepted, and back.
+/// Calibrates single cameras, with clicks or without, and accepts, rejects and reverts calibrations.
 class CalibrationService final : public Service, public CameraObserver {
  public:
   /// All must outlive this.
@@ -43,9 +43,9 @@ class CalibrationService final : public Service, public CameraObserver {
   CalibrationRecords& records_;
   MatchLock& match_lock_;
   const RefereeListener& referee_;
-  Snapshot<std::set<int>> stale_{std::set<int>{}};  // ids of the cameras whose field was changed since
-  std::shared_ptr<const Config> looked_at_;         // with these settings; of the thread of each_second()
-  CalibrationJobs jobs_;                            // last: it asks the others
+  Snapshot<std::set<int>> stale_{std::set<int>{}};  // ids of cameras whose calibration is stale
+  std::shared_ptr<const Config> looked_at_;  // settings from which stale_ was computed; used in each_second()
+  CalibrationJobs jobs_;                     // last: its threads use the members above
 };
 
 }  // namespace sslv

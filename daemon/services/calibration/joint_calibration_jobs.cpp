@@ -13,7 +13,7 @@
 namespace sslv {
 namespace {
 
-/// Runs `act` so that what is wrong with a camera is named with it.
+/// Runs `act` and adds the camera's id to the message of a CaptureError.
 template <class Act>
 auto naming(int camera_id, Act act) {
   try {
@@ -23,12 +23,13 @@ auto naming(int camera_id, Act act) {
   }
 }
 
-/// Images and ties of fresh frames; too few when it was stopped. Throws CaptureError.
+/// Collects from fresh frames the mean images and the tie points (robots that two cameras saw at the same
+/// moment); incomplete when stopped. Throws CaptureError.
 JointTask collect(const WaitFrame& wait_frame, std::chrono::milliseconds silence,
                   const JointCalibrationOrder& order, const JobProgress& progress,
                   const std::stop_token& stop) {
   using Clock = std::chrono::steady_clock;
-  constexpr std::chrono::milliseconds kLook{5};  // shorter than a camera's pause: no other's frame is missed
+  constexpr std::chrono::milliseconds kLook{5};  // below a frame interval: misses no other camera's frame
   JointTask task;
   task.field = order.field;
   std::vector<FreshFrames> fresh;

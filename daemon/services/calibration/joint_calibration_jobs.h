@@ -16,7 +16,7 @@ namespace sslv {
 struct JointCalibrationOrder {
   struct Camera {
     int id;
-    CameraCalibration calibration;  // the current one
+    CameraCalibration calibration;  // the current calibration
   };
   JointCalibrationRequest request;
   std::vector<Camera> cameras;
@@ -25,15 +25,15 @@ struct JointCalibrationOrder {
   double time_s = 0;
 };
 
-/// Calibrates several cameras together while they go on working.
+/// Calibrates several cameras together while they keep running.
 using JointCalibrationJobs = BackgroundJobs<JointCalibrationOrder, JointReport>;
-/// Their one key: one job at a time, whichever cameras it is of.
+/// The key of every job: only one job at a time runs, whichever cameras it has.
 inline constexpr int kJointKey = 0;
 
 JointCalibrationJobs make_joint_calibration_jobs(WaitFrame wait_frame,
                                                  std::chrono::milliseconds silence = kSilence);
 
-/// For cameras that show something else from now on, or are gone.
+/// Fails the job if the view of one of its cameras has changed or the camera is gone.
 void invalidate(JointCalibrationJobs& jobs, const std::set<int>& camera_ids);
 
 }  // namespace sslv

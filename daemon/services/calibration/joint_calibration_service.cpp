@@ -22,7 +22,8 @@ std::string joined(const std::vector<int>& ids) {
   return out;
 }
 
-/// The cameras that are meant, with their current calibrations.
+/// The requested cameras, with their current calibrations. Throws SettingsError for an unknown id or if there
+/// is only one id, HttpError 409 for cameras that are not calibrated.
 std::vector<JointCalibrationOrder::Camera> cameras_for(const JointCalibrationRequest& request,
                                                        const Config& config) {
   std::vector<int> known;
@@ -122,7 +123,7 @@ Response JointCalibrationService::reject() {
 
 Response JointCalibrationService::accept(const Request& request) {
   const bool force = force_of(request);
-  // Before the job: a change of a camera from now on makes these settings old, and so the acceptance fail.
+  // Read before the job: if a camera changes from now on, these settings are outdated and accept() fails.
   const SettingsStore::Version current = settings_.current();
   const JointCalibrationJobs::Job job = jobs_.job(kJointKey);
   if (!job.report || !job.report->found)

@@ -36,7 +36,7 @@ class JointCalibrationService final : public Service, public CameraObserver {
   CalibrationRecords& records_;
   MatchLock& match_lock_;
   const RefereeListener& referee_;
-  JointCalibrationJobs jobs_;  // last: it asks the cameras
+  JointCalibrationJobs jobs_;  // last: its threads use the cameras
 };
 
 }  // namespace sslv

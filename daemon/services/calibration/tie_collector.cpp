@@ -7,11 +7,13 @@
 namespace sslv {
 namespace {
 
-/// Cameras' clocks agree to this: what moves is less sure.
+/// Assumed standard deviation between the cameras' clocks. It makes tie points of moving robots less
+/// accurate.
 constexpr double kClockSigmaS = 1e-3;
-/// Longest time between two images over which a robot goes straight on: at 3 m/s2 it leaves that by 1 mm.
+/// Longest time between two images to interpolate over: in this time, an acceleration of 3 m/s2 moves a robot
+/// 1 mm off the interpolated straight line.
 constexpr double kMaxGapS = 0.05;
-/// Further apart than calibrations may be wrong: two robots of one identity.
+/// Larger than any calibration error: detections farther apart are two robots with the same id.
 constexpr double kOtherRobotMm = 300;
 constexpr double kCellMm = 250;
 constexpr std::size_t kMaxTies = 100;
@@ -23,13 +25,14 @@ void TieCollector::add(std::size_t camera, double t_capture_s, std::span<const R
     auto& tracks = tracks_[{robot.team, robot.id}];
     tracks.resize(cameras_);
     Track& track = tracks[camera];
-    if (track.newest && track.newest->t_s == t_capture_s) continue;   // its second in this image
+    if (track.newest && track.newest->t_s == t_capture_s) continue;   // a second robot with this id
     if (track.newest && track.newest->t_s > t_capture_s) track = {};  // the clock was set back
     track.before = track.newest;
     track.newest = {t_capture_s, {robot.pixel_x, robot.pixel_y}, {robot.x_mm, robot.y_mm}, robot.height_mm};
     for (std::size_t other = 0; other < cameras_; ++other) {
       if (other == camera) continue;
-      // Whichever camera's images come later: each may be seen between two of the other's.
+      // Images of either camera may arrive later, so each camera's detections are compared with interpolated
+      // positions of the other camera.
       tie(camera, *track.newest, other, tracks[other]);
       if (tracks[other].newest) tie(other, *tracks[other].newest, camera, track);
       if (tracks[other].before) tie(other, *tracks[other].before, camera, track);
@@ -59,7 +62,7 @@ void TieCollector::tie(std::size_t camera, const Seen& seen, std::size_t other_c
 
 std::vector<OverlapTie> TieCollector::ties() const {
   std::vector<OverlapTie> out;
-  // Neighbouring cells follow each other: every third one, say, is spread as all are.
+  // The map sorts cells by position, so every n-th tie point covers the same area as all tie points.
   const std::size_t step = (ties_.size() + kMaxTies - 1) / kMaxTies;
   std::size_t i = 0;
   for (const auto& [cell, tie] : ties_) {

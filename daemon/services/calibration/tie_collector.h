@@ -15,18 +15,18 @@
 
 namespace sslv {
 
-/// Finds robots that two cameras saw at the same moment, from the cameras' detections as they come. Cameras
-/// need not take their images at once: between two images of one camera a robot goes straight on.
+/// Collects tie points from the cameras' detections: robots that two cameras saw at the same moment. Cameras
+/// need not be synchronous: a robot's position is interpolated linearly between two images of a camera.
 class TieCollector {
  public:
-  /// Cameras are told apart by their place, 0 .. cameras - 1.
+  /// Cameras are identified by index, 0 .. cameras - 1.
   explicit TieCollector(std::size_t cameras) : cameras_(cameras) {}
 
-  /// The robots of a camera's next image.
+  /// Adds the robots of a camera's next image.
   void add(std::size_t camera, double t_capture_s, std::span<const Robot> robots);
 
   std::size_t count() const { return ties_.size(); }
-  /// Spread over where the cameras overlap, no more than the fit needs.
+  /// Returns tie points spread over the cameras' overlap, no more than the fit needs.
   std::vector<OverlapTie> ties() const;
 
  private:
@@ -45,8 +45,8 @@ class TieCollector {
   void tie(std::size_t camera, const Seen& seen, std::size_t other_camera, const Track& other);
 
   std::size_t cameras_;
-  std::map<Identity, std::vector<Track>> tracks_;  // one for each camera
-  std::map<Cell, OverlapTie> ties_;                // the surest of each cell
+  std::map<Identity, std::vector<Track>> tracks_;  // one track for each camera
+  std::map<Cell, OverlapTie> ties_;                // in each cell the tie point with the smallest sigma
 };
 
 }  // namespace sslv

@@ -37,7 +37,7 @@ std::uint64_t read(const std::atomic<std::uint64_t>& counter) {
   return counter.load(std::memory_order_relaxed);
 }
 
-/// A stage that was never in the camera's stack has no series.
+/// Whether a stage was ever in the camera's stack; a stage that never was gets no metrics.
 bool has_run(const DurationTotals::Reading& durations) {
   return durations.counts != decltype(durations.counts){};
 }
@@ -54,7 +54,7 @@ Json camera_json(const RunningCamera& camera, const CameraHealth& health, const 
   const auto settings = camera.settings();
   const auto setup = camera.pipeline().setup();
   const auto counters = camera.pipeline().counters();
-  // What a camera that is not running last saw and how fast is no news.
+  // Measurements of a camera that is no longer running are out of date.
   const bool running = health.state == CameraState::kRunning;
   const auto latency = running ? camera.latency().percentiles() : RecentDurations::Percentiles{};
   const auto age = running ? camera.age().percentiles() : RecentDurations::Percentiles{};
@@ -179,7 +179,7 @@ void write_camera_metrics(MetricsText& out, const std::vector<std::shared_ptr<Ru
     for (std::size_t i = 0; i < totals.left_out.size(); ++i) {
       if (!has_run(totals.stages[i].read())) continue;
       const std::string& stage = stage_table()[i].name;
-      const Senseless left_out = totals.left_out[i].read();
+      const InvalidCounts left_out = totals.left_out[i].read();
       out.add({{"camera", id}, {"stage", stage}, {"what", "robot"}}, left_out.robots);
       out.add({{"camera", id}, {"stage", stage}, {"what", "ball"}}, left_out.balls);
       out.add({{"camera", id}, {"stage", stage}, {"what", "time"}}, left_out.others);

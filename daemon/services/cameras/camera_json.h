@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A camera as docs/openapi.json has it, and as Prometheus does.
+// A camera as in docs/openapi.json, and for Prometheus.
 
 #include "base/json.h"
 #include "health/exposure.h"
@@ -22,7 +22,7 @@ Json camera_json(const RunningCamera& camera);
 Json camera_diagnostics_json(const RunningCamera& camera, const std::optional<Exposure>& exposure);
 /// Control. `saved`: name -> value.
 Json control_json(const Control& control, const Json& saved, const std::vector<UnsavedControl>& unsaved);
-/// {"hidden": [[left, top, width, height], ...]}; null: nothing is.
+/// {"hidden": [[left, top, width, height], ...]}; `view`: null if nothing is hidden.
 Json field_view_json(const FieldView* view);
 
 void write_camera_metrics(MetricsText& out, const std::vector<std::shared_ptr<RunningCamera>>& cameras);

@@ -15,31 +15,32 @@
 namespace sslv {
 namespace {
 
-// Of a minute's frames. Trackers bridge a few; one in a thousand is a cable or a computer at its limit.
+// Share of the last minute's frames. Trackers bridge a few lost frames; one lost frame in a thousand means
+// that a cable or a computer is at its limit.
 constexpr double kLostShare = 0.001;
-/// Of the last seconds' frames. With one in twenty gone, trackers lose fast balls.
+/// Share of the frames in the last kLastSeconds. If one frame in twenty is lost, trackers lose fast balls.
 constexpr double kLostBadShare = 0.05;
 constexpr std::uint64_t kFewPictures = 3;
-// The painted lines are under 1 % of a field's image, and they may clip: white has no colour to lose. More
-// than twice that is glare or too much light, and clipped colours are taken for each other.
+// The painted lines cover under 1 % of a field's image, and they may clip: white has no colour to lose. A
+// clipped share of more than twice that comes from glare or too much light, and clipped colours get confused.
 constexpr double kClippedShare = 0.02;
-// Of 255. Below, the camera's noise is as large as what tells dark colours apart.
+// Mean luma, 0 to 255. Below this, the camera's noise is as large as the differences between dark colours.
 constexpr double kDarkLuma = 25;
-/// Of the rate that was asked for: over the last seconds, and over the newest few, of which a short break is
-/// more.
+/// Shares of the requested rate, over kLastSeconds and over kNewestSeconds; a short break weighs more in the
+/// latter.
 constexpr double kSlowShare = 0.9, kNewestSlowShare = 0.85;
-/// Late by more than this, a packet is late by as much as a ball at 6 m/s takes for 30 mm.
+/// In this time a ball at 6 m/s moves 30 mm.
 constexpr double kLateAfter_ms = 5;
-/// Later than a frame at 60 Hz, what teams get is of the frame before.
+/// Longer than a frame at 60 Hz: teams then get data of the previous frame.
 constexpr double kTooLateAfter_ms = 17;
-/// Of the last seconds' images.
+/// Share of the images in the last kLastSeconds.
 constexpr double kStagesLoseShare = 0.01;
 
 std::string camera_page(const CameraFacts& camera) {
   return fmt::format("#/camera/{}", camera.id);
 }
 
-// What the camera itself sends, whatever becomes of it here.
+// Counts all images that the camera sends, including images that are then dropped or damaged.
 bool is_slow(const CameraFacts& camera, const Timeline::Sum& sum, std::size_t seconds, double share) {
   return camera.wanted_fps && sum.seconds >= seconds &&
          static_cast<double>(sum.all() + kFewPictures) < share * *camera.wanted_fps * sum.seconds;
@@ -58,7 +59,7 @@ StackFacts stack_facts(const CameraFacts& camera) {
   const auto dropped = camera.last_seconds.dropped;
   out.loses = dropped > kFewPictures && static_cast<double>(dropped) >
                                             kStagesLoseShare * static_cast<double>(camera.last_seconds.all());
-  // Some drivers do not count what nobody takes.
+  // Some drivers do not count images that were not fetched in time.
   out.is_slow = is_slow_now(camera);
   if (out.is_slow) out.come_per_s = *camera.wanted_fps;
   return out;
@@ -197,8 +198,8 @@ void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
   }
   if (minute.capped > 0) {
     const std::string what = camera.flood.empty() ? "too much to process" : camera.flood;
-    // Without a flood, what was left out is looked at last: robots whose centre dot nobody saw in the images
-    // before. Whether a robot is missing other checks say.
+    // Without a flood, only the last part of the search is left out: robots whose centre dot was not seen in
+    // the previous images. Other checks report missing robots.
     const bool is_minor = camera.flood.empty() && 2 * minute.capped < minute.all();
     say("frames_capped", is_minor ? Severity::kInfo : Severity::kWarn,
         fmt::format("Camera {}: {}, in {} of {} images of the last minute", camera.id, what, minute.capped,
@@ -228,7 +229,8 @@ void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
   }
 }
 
-/// Beside real cameras, others make the field look covered where nobody looks at it.
+/// Beside real cameras, a simulated or recorded camera makes the field look covered where no real camera sees
+/// it.
 void add_origin_alerts(std::vector<Alert>& alerts, std::span<const CameraFacts> cameras) {
   if (std::ranges::count(cameras, ImageOrigin::kCamera, &CameraFacts::origin) == 0) return;
   for (const CameraFacts& camera : cameras) {
@@ -304,7 +306,7 @@ Check check_latency(std::span<const CameraFacts> cameras) {
   constexpr std::uint64_t kMinImages = 100;
   double worst_ms = 0;
   bool is_known = false;
-  const StageFigures* slowest = nullptr;  // of a stage that takes most of what is allowed
+  const StageFigures* slowest = nullptr;  // the slowest stage, if it takes over half of the allowed time
   for (const CameraFacts& camera : cameras) {
     if (!is_running(camera) || camera.latency_images < kMinImages) continue;
     is_known = true;
@@ -379,7 +381,8 @@ std::string camera_summary(std::span<const CameraFacts> cameras) {
 std::optional<Hang> find_hang(const CameraProgress& camera, std::int64_t now_ns) {
   const CameraHealth& health = camera.health;
   if (health.state != CameraState::kRunning) {
-    // The thread that hangs may be one whose end the thread waits for that is to open the camera again.
+    // The hanging thread may be the camera's previous thread: the thread that is to reopen the camera waits
+    // until the previous thread ends.
     const bool hangs = camera.stage && now_ns - camera.stage->since_ns >= kHangs_ns;
     return hangs ? camera.stage : std::nullopt;
   }

@@ -22,36 +22,36 @@
 
 namespace sslv {
 
-/// What a camera's images are of: only a real camera sees the field.
+/// Origin of a camera's images: only a real camera sees the field.
 enum class ImageOrigin { kCamera, kRecording, kSimulation };
-/// Of a camera's complete "source", and of a tile's big camera.
+/// Origin of a complete "source"; for a tile, the origin of the camera that the tile is cut from.
 ImageOrigin origin_of(const Json& source);
-/// As docs/openapi.json has it.
+/// Name in docs/openapi.json.
 const char* name_of(ImageOrigin origin);
 
-/// What is known of a camera, read once, so that alerts, checks and figures agree.
+/// Facts about a camera, read once so that alerts, checks and figures agree.
 struct CameraFacts {
   int id = 0;
   std::string backend;
-  std::optional<double> wanted_fps;  // as its settings ask for
+  std::optional<double> wanted_fps;  // frame rate in its settings
   CameraHealth health;
-  double latency_p99_ms = 0;                // of the last images
-  std::uint64_t latency_images = 0;         // since its start: of fewer than 100, one late image is the p99
-  Timeline::Sum last_minute, last_seconds;  // kLastSeconds
-  Timeline::Sum newest_seconds;             // kNewestSeconds
-  std::optional<Exposure> exposure;         // of the newest frame
-  std::size_t controls_unsaved = 0;         // that are set and not saved
-  bool sends = true;                        // its stack ends in the stage that sends
+  double latency_p99_ms = 0;                // over the last images
+  std::uint64_t latency_images = 0;         // since its start; below 100, the p99 is the slowest image
+  Timeline::Sum last_minute, last_seconds;  // last_seconds: over kLastSeconds
+  Timeline::Sum newest_seconds;             // over kNewestSeconds
+  std::optional<Exposure> exposure;         // exposure of the newest frame
+  std::size_t controls_unsaved = 0;         // controls set and not saved
+  bool sends = true;                        // its stack has the stage that sends packets
   ImageOrigin origin = ImageOrigin::kCamera;
-  RunningStack running{};              // of its stack
-  std::vector<StageFigures> stages{};  // of its stack
-  std::optional<Hang> hang{};          // of its thread
-  std::string flood{};  // in the last minute: "green floods the image between ..."; empty: none
+  RunningStack running{};              // stages of its stack: running, missing, idle
+  std::vector<StageFigures> stages{};  // figures of its stack's stages
+  std::optional<Hang> hang{};          // hang of its thread; none: it does not hang
+  std::string flood{};  // "green floods the image between ...", in the last minute; empty: none
 
   static constexpr std::size_t kLastSeconds = 10, kNewestSeconds = 3;
 };
 
-/// Adds their alerts and the checks `cameras`, `pictures` and `latency`.
+/// Adds the cameras' alerts and the checks `cameras`, `pictures` and `latency`.
 void report_cameras(std::span<const CameraFacts> cameras, HealthReport& report);
 
 /// Adds an alert for each stage library that was left out.
@@ -63,17 +63,18 @@ std::string camera_summary(std::span<const CameraFacts> cameras);
 struct CameraProgress {
   int id;
   CameraHealth health;
-  std::optional<Hang> stage{};  // that its thread is in
+  std::optional<Hang> stage{};  // stage that its thread is executing
 };
 
-/// A thread that neither goes on nor is known to open its camera. `now_ns`: of the steady clock.
+/// Returns where a camera's thread hangs; nothing if it does not hang. A thread that is opening its camera
+/// does not hang. `now_ns`: steady clock.
 std::optional<Hang> find_hang(const CameraProgress& camera, std::int64_t now_ns);
 
-/// Why the watchdog is not fed: the cameras whose threads hang, and the stages that they are in. Empty while
-/// all is well.
+/// The reason for not feeding the watchdog: cameras whose threads hang, and in which stages. Empty if no
+/// thread hangs.
 std::string find_hanging(const std::vector<CameraProgress>& cameras, std::int64_t now_ns);
 
-/// What is missing for all cameras to run, a line for each; empty when nothing is.
+/// One line for each camera that is not running, with the reason; empty if all are running.
 std::string find_missing(const std::vector<CameraProgress>& cameras);
 
 }  // namespace sslv

@@ -71,7 +71,8 @@ Response get_stream(const CameraRoutes& of, const Request& request) {
   return response;
 }
 
-/// What an open camera answers. Throws HttpError: 409 not open or without controls, 503 it does not answer.
+/// Queries an open camera. Throws HttpError 409 if the camera is not open or has no controls, 503 if it does
+/// not answer.
 template <class Ask>
 auto ask_camera(const RunningCamera& camera, const Ask& ask) {
   const auto controls = camera.controls();
@@ -89,7 +90,7 @@ auto ask_camera(const RunningCamera& camera, const Ask& ask) {
   }
 }
 
-/// With what is saved of each, and whether it is set otherwise.
+/// Lists controls, each with its saved value and whether the current value is unsaved.
 Response list_response(const RunningCamera& camera, const std::vector<Control>& all) {
   const Json saved = camera.saved_controls();
   const std::vector<UnsavedControl> unsaved = camera.unsaved_controls();
@@ -114,14 +115,14 @@ Response set_control(const CameraRoutes& of, const Request& request) {
   const Control now = ask_camera(*camera, [&](ControlQueue& queue) { return queue.set(name, value); });
   const int id = camera->settings()->id;
   log::info("camera {}: {} set to {} by {}, not saved", id, Json(name).dump(), value.dump(), request.address);
-  // Once for each, not for each step of a slider.
+  // One event for each control, not for each step of a slider.
   if (camera->unsaved_controls().size() > before)
     of.events.add(
         {"controls_set", fmt::format("Camera {}: {} was set and not saved", id, name), request.address, id});
   return json_response(control_json(now, camera->saved_controls(), camera->unsaved_controls()));
 }
 
-/// The answer does not wait for the camera: what comes of it is in the status.
+/// Answers without waiting for the camera; its status will show the result.
 Response reopen_camera(const CameraRoutes& of, const Request& request) {
   const auto camera = camera_of(of, request);
   const int id = camera->settings()->id;
@@ -137,7 +138,7 @@ Response reopen_camera(const CameraRoutes& of, const Request& request) {
   return json_response(camera_json(*camera));
 }
 
-/// Which controls the body names; empty: all.
+/// Returns the controls that the body names; empty: all. Throws HttpError 400.
 std::set<std::string> names_in(const Request& request) {
   std::set<std::string> names;
   const Json body = body_json(request);
@@ -218,7 +219,7 @@ std::vector<Route> camera_routes(const CameraRoutes& of) {
        true},
       {"GET", R"(/api/cameras/(\d+)/controls)", about(get_controls)},
       {"POST", R"(/api/cameras/(\d+)/controls/([^/]+))", about(set_control)},
-      // A camera may be lost in a match, too.
+      // Allowed during a match, because a camera may be lost during a match.
       {"POST", R"(/api/cameras/(\d+)/reopen)", about(reopen_camera), Needs::kChange},
       {"POST", R"(/api/cameras/(\d+)/revert_controls)", about(revert_controls)},
       {"GET", R"(/api/cameras/(\d+)/field_view)", about(get_field_view)},

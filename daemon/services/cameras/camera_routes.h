@@ -15,7 +15,7 @@
 
 namespace sslv {
 
-/// What the routes are about; all outlive them.
+/// Objects that the routes use; all must outlive the routes.
 struct CameraRoutes {
   ViewSource& views;
   const Timeline& timeline;
@@ -25,13 +25,13 @@ struct CameraRoutes {
 
 std::vector<Route> camera_routes(const CameraRoutes& of);
 
-/// The id of a camera in the path, whether or not there is one. Throws HttpError 400.
+/// Returns the camera id in the path, whether or not there is such a camera. Throws HttpError 400.
 int path_camera_id(const Request& request);
 
-/// A JPEG of an image, of the width and quality that the query asks for. Throws HttpError 400.
+/// Returns a JPEG of an image, with the width and quality in the query. Throws HttpError 400.
 Response jpeg_response(const ImageView& image, const Request& request, Chroma chroma = Chroma::kHalved);
 
-/// The newest frame's image. Throws HttpError 503 when there is none.
+/// Returns the newest frame's image as a JPEG. Throws HttpError 503 if there is none.
 std::string full_jpeg(const RunningCamera& camera);
 
 }  // namespace sslv

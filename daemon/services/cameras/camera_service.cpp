@@ -16,7 +16,7 @@
 namespace sslv {
 namespace {
 
-/// What is asked of a camera. A player's speed is for its viewer to choose.
+/// Returns the requested frame rate; nothing for a recording, whose speed the user chooses.
 std::optional<double> wanted_fps(const Json& source) {
   const auto rate = source.find("frame_rate_hz");
   if (source.at("backend") == "files" || rate == source.end() || !rate->is_number()) return std::nullopt;
@@ -24,7 +24,7 @@ std::optional<double> wanted_fps(const Json& source) {
   return fps > 0 ? std::optional(fps) : std::nullopt;
 }
 
-/// With what they have to say now.
+/// Adds the stages' current notes to `stages`.
 std::vector<StageFigures> stages_of(const RunningCamera& camera, std::vector<StageFigures> stages) {
   const auto setup = camera.pipeline().setup();
   for (std::size_t i = 0; i < std::min(stages.size(), setup->pipeline->stack().size()); ++i)
@@ -71,7 +71,8 @@ std::vector<CameraFacts> CameraService::facts_of(const List& cameras) const {
     const CameraProgress progress = camera->progress();
     const auto last_minute = watch_.timeline().sum(id, 60);
     const auto counters = camera->pipeline().counters();
-    // Not those of before: it may have been another camera, and asked for another rate.
+    // Sums only whole seconds since the last reopening: before it, this may have been another camera with
+    // another requested rate.
     const auto newest = [&](std::size_t seconds) {
       const auto whole_s = static_cast<std::size_t>(steady_s() - camera->reopened_s());
       return watch_.timeline().sum(id, std::min(seconds, std::max<std::size_t>(whole_s, 1) - 1));

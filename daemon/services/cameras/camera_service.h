@@ -15,7 +15,7 @@
 
 namespace sslv {
 
-/// What the panel, alerts and metrics say of the cameras that run.
+/// Reports on the running cameras for the panel, alerts and metrics.
 class CameraService final : public Service {
  public:
   /// `cameras` must outlive this.
@@ -37,16 +37,17 @@ class CameraService final : public Service {
 
  private:
   using List = std::vector<std::shared_ptr<RunningCamera>>;
-  /// One for each.
+  /// Returns the facts about each camera.
   std::vector<CameraFacts> facts_of(const List& cameras) const;
 
-  /// Events, and the log of lost images.
+  /// Adds events, and logs lost images.
   void tell_what_became(const List& cameras);
 
   RunningCameras& cameras_;
   CameraWatch watch_;
   EventQueue events_;
-  /// What was told of a camera; of the thread that calls each_second().
+  /// Counts of a camera at the last call of tell_what_became(), to detect new events; used by each_second()'s
+  /// thread.
   struct Told {
     std::optional<std::uint64_t> reconnects, reopenings;
     LossLog losses;

@@ -52,7 +52,7 @@ std::optional<NewSetup> plan_setup(const Config& config, std::size_t i,
 
 void NewSetup::make_stages(const CameraSettings& camera) {
   if (setup.pipeline) return;
-  // The stack was checked when it was read.
+  // The stack was validated when it was read.
   setup.pipeline = std::make_shared<Pipeline>(stage_table(), camera.running.stages, "/cameras");
   setup.parameters = setup.pipeline->parameters_of(camera.stage_params);
 }

@@ -11,30 +11,30 @@
 
 namespace sslv {
 
-/// A camera as it runs now.
+/// A running camera's settings and setup.
 struct CameraInUse {
-  const Config& config;  // its settings are among them
+  const Config& config;  // contains the camera's settings
   const CameraSettings& settings;
   const CameraSetup& setup;
 };
 
-/// What a camera's frames are processed with from a change of settings on.
+/// Setup of a camera after a change of settings.
 struct NewSetup {
-  CameraSetup setup;          // without stages as long as these are to be made
-  bool keeps_colors = false;  // it keeps the tables that the setup before has at that moment
+  CameraSetup setup;          // without a pipeline if the stages still have to be made
+  bool keeps_colors = false;  // when applied, keep the previous setup's colour tables
 
-  /// Unless those of before go on: starts what they need.
+  /// Creates the stages and starts what they need, unless the previous stages are kept.
   void make_stages(const CameraSettings& camera);
 };
 
-/// For the camera at place `i` of the list; `previous`: when it runs already. Nothing when nothing that its
-/// frames are processed with has changed. The pipeline before, with what its stages remember, is kept when
-/// the stack is the same, and its colour tables when the colours are. Reads the files that the settings name,
-/// and has no effect. Throws SettingsError.
+/// Plans the setup of the camera at index `i` of the list; `previous`: its current setup, if it is running.
+/// Returns nothing if the processing of its frames does not change. Keeps the previous pipeline, with its
+/// stages' state, if the stack is unchanged, and the colour tables if the colours are unchanged. Reads the
+/// files that the settings name, but has no effect. Throws SettingsError.
 std::optional<NewSetup> plan_setup(const Config& config, std::size_t i,
                                    const std::optional<CameraInUse>& previous, const LoadTable& load_table);
 
-/// The same setup with robots of these heights.
+/// Returns the same setup with these robot heights.
 CameraSetup with_robot_heights(CameraSetup setup, const std::array<double, 2>& robot_height_mm);
 
 }  // namespace sslv

@@ -34,7 +34,7 @@ void CameraWatch::look(const std::vector<std::shared_ptr<RunningCamera>>& camera
     readings[id] = read(*camera, before);
     before.stages.look(camera->pipeline().setup()->pipeline);
     stages[id] = before.stages.figures();
-    // Held no longer than it is looked at: it is one of the few frames of the camera's ring.
+    // Hold the frame only while it is measured: the camera's ring buffer has only a few frames.
     if (const auto newest = camera->pipeline().finished().peek(); newest && newest->version > before.frame) {
       before.frame = newest->version;
       const auto mask = camera->pipeline().setup()->context.mask;
@@ -62,7 +62,8 @@ Timeline::Reading CameraWatch::read(const RunningCamera& camera, Seen& seen) {
                         .dropped = health.dropped,
                         .incomplete = health.incomplete,
                         .capped = counters.capped};
-  // Counted before they are read: what comes in between is of the next second too, and none is missed.
+  // Read the counts before the samples: an image that finishes in between counts for the next second too, but
+  // none is missed.
   const std::uint64_t latencies = camera.latency().count(), ages = camera.age().count();
   if (latencies > seen.latencies && ages > seen.ages) {
     const auto latency = camera.latency().percentiles(seen.latencies);

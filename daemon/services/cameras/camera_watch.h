@@ -15,29 +15,29 @@
 
 namespace sslv {
 
-/// What was seen of the cameras, second by second. look() is for one thread, the rest for any.
+/// Measures the cameras once a second. look() is for one thread only; all other functions are thread-safe.
 class CameraWatch {
  public:
-  /// Once a second.
+  /// Call it once a second.
   void look(const std::vector<std::shared_ptr<RunningCamera>>& cameras);
 
   const Timeline& timeline() const { return timeline_; }
-  /// Of the camera's newest frame; none when none came in the last second.
+  /// Exposure of the camera's newest frame; none if no frame came in the last second.
   std::optional<Exposure> exposure(int camera_id) const;
-  /// Of the camera's stack, as they were in the last seconds.
+  /// Figures of the stages of the camera's stack over the last seconds.
   std::vector<StageFigures> stages(int camera_id) const;
 
  private:
-  struct Seen {  // of a camera, up to the last look
+  struct Seen {  // state of a camera at the last look()
     std::weak_ptr<RunningCamera> camera;
     std::uint64_t frame = 0, latencies = 0, ages = 0;
     StageWatch stages{};
   };
   static Timeline::Reading read(const RunningCamera& camera, Seen& seen);
 
-  std::map<int, Seen> seen_;  // of the thread that looks
+  std::map<int, Seen> seen_;  // used by the thread that calls look()
   Timeline timeline_;
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards the members below
   std::map<int, Exposure> exposures_;
   std::map<int, std::vector<StageFigures>> stages_;
 };

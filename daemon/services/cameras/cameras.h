@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The cameras as other services see them.
+// Interface of the cameras for other services.
 
 #include "capture/camera_thread.h"
 #include "config/config.h"
@@ -20,7 +20,7 @@
 
 namespace sslv {
 
-/// A camera at one moment.
+/// The state of a camera at one moment.
 struct CameraNow {
   int id = 0;
   std::shared_ptr<const CameraSettings> settings;
@@ -30,46 +30,46 @@ struct CameraNow {
   const CameraContext& context() const { return setup->context; }
 };
 
-/// Is told what becomes of cameras.
+/// Is notified of changes of cameras.
 class CameraObserver {
  public:
   virtual ~CameraObserver() = default;
-  /// These show something else from now on, or are gone: what is known of their images is void. Called while
-  /// a change is applied: no long work.
+  /// From now on, these cameras show something else or are gone: everything derived from their images is
+  /// invalid. Called while a change is applied: must not take long.
   virtual void cameras_changed(const std::set<int>& camera_ids) noexcept = 0;
 };
 
-/// May be used from any thread.
+/// Thread-safe.
 class Cameras {
  public:
   virtual ~Cameras() = default;
 
   virtual std::vector<CameraNow> all() const = 0;
-  /// Throws HttpError 404 for one that there is not.
+  /// Throws HttpError 404 if there is no such camera.
   virtual CameraNow get(int camera_id) const = 0;
 
   /// See WaitFrame.
   virtual std::optional<LentFrame> wait_frame(int camera_id, std::uint64_t newer_than,
                                               std::chrono::milliseconds timeout) = 0;
 
-  /// The next frame uses this table, which is the accepted one adapted to the light. False when that is no
-  /// longer the accepted one.
+  /// The next frame uses `adapted`, the accepted table adapted to the light. False if `accepted` is no longer
+  /// the accepted table.
   virtual bool change_light(int camera_id, const std::shared_ptr<const Lut>& accepted,
                             std::shared_ptr<const Lut> adapted) = 0;
 
-  /// The last seconds of each camera, by its id.
+  /// The recorders of the cameras' last seconds, by camera id.
   virtual std::map<int, std::shared_ptr<RecordedCamera>> recorded() const = 0;
 
-  /// `observer` must outlive this, or all changes of settings.
+  /// `observer` must outlive this object, or at least all changes of settings.
   virtual void add_observer(CameraObserver& observer) = 0;
 
-  /// Why the service must be restarted, and what is missing for all cameras to run, a line for each; both
-  /// empty when all is well.
+  /// hanging() returns the reason for restarting the service. missing() returns a line for each camera that
+  /// is not running, with the reason. Both are empty if there is no problem.
   virtual std::string hanging() const = 0;
   virtual std::string missing() const = 0;
 };
 
-/// For work that takes frames from a camera.
+/// For jobs that need a camera's frames.
 inline WaitFrame frames_of(Cameras& cameras) {
   return [&cameras](int camera_id, std::uint64_t newer_than, std::chrono::milliseconds timeout) {
     return cameras.wait_frame(camera_id, newer_than, timeout);

@@ -14,7 +14,7 @@
 
 namespace sslv {
 
-/// A camera's finished frame, on loan: let go soon.
+/// A camera's finished frame, on loan: release it soon.
 struct LentFrame {
   std::uint64_t version = 0;
   std::shared_ptr<const void> hold;
@@ -27,21 +27,22 @@ struct LentFrame {
   std::span<const Robot> second_robots{};  // see RobotList
 };
 
-/// The newest frame once its version is newer than the given one (0: any); nothing after the timeout. Throws
-/// CaptureError when there is no such camera: nobody must ask for it again and again without a pause.
+/// Returns the newest frame once its version is newer than `newer_than` (0: any); nothing on timeout. Throws
+/// CaptureError if there is no such camera, so that no caller polls without a pause.
 using WaitFrame = std::function<std::optional<LentFrame>(int camera_id, std::uint64_t newer_than,
                                                          std::chrono::milliseconds timeout)>;
 
-/// A camera that delivers nothing for so long fails.
+/// A camera that delivers nothing for this time counts as failed.
 inline constexpr std::chrono::milliseconds kSilence = std::chrono::seconds(10);
 
-/// A camera's frames from now on: the newest one of a camera that is lost may be old.
+/// The frames that a camera delivers after construction. The frame that was newest before is skipped, because
+/// it may be old if the camera is lost.
 class FreshFrames {
  public:
   FreshFrames(const WaitFrame& wait_frame, int camera_id, std::chrono::milliseconds silence);
 
-  /// The next frame; nothing after the timeout. Throws CaptureError when none came for too long, or when
-  /// the camera is gone.
+  /// Returns the next frame; nothing on timeout. Throws CaptureError if no frame came for too long, or the
+  /// camera is gone.
   std::optional<LentFrame> next(std::chrono::milliseconds timeout);
 
  private:
@@ -54,7 +55,7 @@ class FreshFrames {
   Clock::time_point heard_ = Clock::now();
 };
 
-/// Adds a camera's frame to the mean. Throws CaptureError when it has no colours or another size.
+/// Adds a camera's frame to the mean. Throws CaptureError if it has no colours or another size.
 void add_frame(MeanPicture& mean, const LentFrame& frame);
 
 }  // namespace sslv

@@ -9,7 +9,7 @@
 
 namespace sslv {
 
-/// An image to look at, on loan: let go soon.
+/// An image for viewing, on loan: release it soon.
 struct LentPicture {
   std::shared_ptr<const void> hold;
   ImageView image;
@@ -17,11 +17,12 @@ struct LentPicture {
   double t_capture_s = 0;
 };
 
-/// Images that a person points at. May be used from any thread.
+/// Provides the images in which users click. Thread-safe.
 class Pictures {
  public:
   virtual ~Pictures() = default;
-  /// A still, or the camera's newest frame. Throws HttpError: 404 no such still, 503 no frame.
+  /// Returns the still with this number; without a number, the camera's newest frame. Throws HttpError 404 if
+  /// there is no such still, 503 if there is no frame.
   virtual LentPicture look(int camera_id, std::optional<int> still) = 0;
 };
 

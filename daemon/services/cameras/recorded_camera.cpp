@@ -13,9 +13,10 @@
 namespace sslv {
 namespace {
 
-/// How often a clip may begin: there the stages' memory is kept too.
+/// Interval of keyframes: frames that are recorded with the saved state of the stages. A clip can begin only
+/// at a keyframe.
 constexpr std::int64_t kKeyInterval_ns = 250'000'000;
-/// Room for what the stages of a stack remember; they take a few kB.
+/// Buffer size for the saved state of a stack's stages, which takes a few kB.
 constexpr std::size_t kMemoryBytes = 256 * 1024;
 
 }  // namespace
@@ -49,7 +50,8 @@ void RecordedCamera::frame_ends(const Frame& frame, const CameraSetup& setup) no
   frames_seen_.fetch_add(1, std::memory_order_relaxed);
   bytes_seen_.fetch_add(clip_image_bytes(image), std::memory_order_relaxed);
   const auto kept = frames_.use();
-  if (!kept->ring || kept->ring.get() != ring_ || !is_kept_) return;  // a new ring begins with the next frame
+  // A new ring is used from the next frame on.
+  if (!kept->ring || kept->ring.get() != ring_ || !is_kept_) return;
   ring_->put({.info = frame.info,
               .setup = setup.number,
               .image = image,
@@ -58,7 +60,7 @@ void RecordedCamera::frame_ends(const Frame& frame, const CameraSetup& setup) no
 }
 
 void RecordedCamera::keep(RecordedFrames frames) {
-  std::shared_ptr<ImageRing> before;  // goes after the lock
+  std::shared_ptr<ImageRing> before;  // freed after the lock is released
   {
     const std::lock_guard lock(mutex_);
     if (frames.ring != ring_of_setups_) {
@@ -77,7 +79,7 @@ void RecordedCamera::note(CameraSetup& setup, std::shared_ptr<const Config> conf
   put_into_ring(setups_.back());
 }
 
-/// At once, not when a clip wants it: after a crash nobody could any more.
+/// Called as soon as a setup exists, not when a clip needs it: after a crash it would be too late.
 void RecordedCamera::put_into_ring(const Setup& setup) {
   if (!ring_of_setups_ || !setup.config) return;
   const auto& cameras = setup.config->cameras;
@@ -93,7 +95,7 @@ void RecordedCamera::put_into_ring(const Setup& setup) {
 }
 
 void RecordedCamera::forget_before(std::uint32_t number) {
-  std::vector<Setup> gone;  // tables are freed after the lock
+  std::vector<Setup> gone;  // tables are freed after the lock is released
   const std::lock_guard lock(mutex_);
   const auto first = std::ranges::find_if(setups_, [&](const Setup& one) {
     return one.setup->number >= number || one.setup->number + 1 == next_number_;

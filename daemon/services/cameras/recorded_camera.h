@@ -19,41 +19,41 @@
 
 namespace sslv {
 
-/// What of a camera's frames is kept in memory.
+/// Selects the frames of a camera that are kept in memory.
 struct RecordedFrames {
   std::shared_ptr<ImageRing> ring;  // null: nothing is kept
   int every_nth = 1;
 };
 
-/// The camera's last seconds: what its thread puts into memory after each frame. Its thread waits for nobody
-/// and allocates nothing here.
+/// Records the camera's last seconds: after each frame, the camera's thread copies it to a ring buffer. The
+/// thread never waits and allocates nothing here.
 class RecordedCamera final : public FrameObserver {
  public:
   using Clock = std::function<std::int64_t()>;  // steady, ns
 
-  /// `sender`: what sends the camera's packets; must outlive the camera's thread.
+  /// `sender`: sends the camera's packets; must outlive the camera's thread.
   RecordedCamera(int id, const DetectionSender& sender, Clock now_ns = steady_ns);
 
   // FrameObserver
   void frame_begins(const CameraSetup& setup) noexcept override;
   void frame_ends(const Frame& frame, const CameraSetup& setup) noexcept override;
 
-  // From any other thread.
+  // For all threads other than the camera's.
 
-  /// From the next frame on. Setups go into the ring as well.
+  /// Takes effect with the next frame. Also copies the setups to the ring.
   void keep(RecordedFrames frames);
-  /// Lets go of memory that was kept before and that the camera's thread has left since.
+  /// Releases memory that was kept before and that the camera's thread no longer uses.
   void tidy() const { frames_.load(); }
-  /// Bytes of all images and their count since the start, as the camera gave them, kept or not.
+  /// Count and bytes of all images since the start, in the camera's format, kept or not.
   struct Seen {
     std::uint64_t frames = 0, bytes = 0;
   };
   Seen seen() const;
 
-  /// A setup that the camera has from now on, before it gets it; `config`: that it is of; null: the same as
-  /// the setup before. Gives it its number.
+  /// Records a setup before the camera uses it, and assigns its number. `config`: the settings that the setup
+  /// belongs to; null: the settings of the previous setup.
   void note(CameraSetup& setup, std::shared_ptr<const Config> config);
-  /// Setups before it are not asked for any more.
+  /// Drops the setups before `number`, which no frame needs any more; keeps the newest setup.
   void forget_before(std::uint32_t number);
 
  private:
@@ -69,16 +69,16 @@ class RecordedCamera final : public FrameObserver {
   Handover<RecordedFrames> frames_{RecordedFrames{}};
   std::atomic<std::uint64_t> frames_seen_{0}, bytes_seen_{0};
 
-  // The camera thread's.
-  std::vector<std::byte> memory_;  // of the stages, before this frame
-  std::size_t memory_bytes_ = 0;   // of it; 0: it is not kept with this frame
-  std::int64_t next_key_ns_ = 0;   // when memory is kept again
-  ImageRing* ring_ = nullptr;      // that the last frame went to
+  // Used by the camera's thread.
+  std::vector<std::byte> memory_;  // saved state of the stages before this frame
+  std::size_t memory_bytes_ = 0;   // bytes used in memory_; 0: this frame is not a keyframe
+  std::int64_t next_key_ns_ = 0;   // time of the next keyframe
+  ImageRing* ring_ = nullptr;      // ring used for the last frame
   const Pipeline* pipeline_ = nullptr;
   std::uint64_t count_ = 0;
-  bool is_kept_ = false;  // this frame
+  bool is_kept_ = false;  // whether this frame is kept
 
-  mutable std::mutex mutex_;  // guards the rest
+  mutable std::mutex mutex_;  // guards the members below
   std::vector<Setup> setups_;
   std::uint32_t next_number_ = 0;
   std::shared_ptr<ImageRing> ring_of_setups_;

@@ -24,7 +24,7 @@ Json without_controls(Json source) {
   return source;
 }
 
-/// What tells a camera from others.
+/// Identifies a camera.
 Json camera_of(const Json& source) {
   const Json& camera = camera_source(source);
   return {{"backend", camera.at("backend")}, {"camera", camera.value("camera", "")}};
@@ -113,9 +113,9 @@ std::unique_ptr<CameraThread> RunningCamera::make_thread(const CameraSettings& s
       if (!source["controls"].contains(name)) source["controls"][name] = value;
     }
     auto camera = open_source(source, {static_cast<std::uint32_t>(now->id), scene});
-    unsaid.clear();  // they have gone back: what is set from now on stays when it is opened again
+    unsaid.clear();  // used once: values that are set later must survive a reopening
     last->hand_over(number, source, controls_in(now->source), camera->controls());
-    last->follow(*newest);  // what was changed while it was being opened
+    last->follow(*newest);  // applies changes of settings made during the opening
     return camera;
   };
   auto on_image = [this](CapturedImage&& captured) {
@@ -156,7 +156,7 @@ bool RunningCamera::apply(Change& change, const std::array<double, 2>& robot_hei
   if (change.setup) {
     CameraSetup& setup = change.setup->setup;
     if (change.setup->keeps_colors) {
-      // What followed the light while the change was planned and saved is not lost.
+      // Keep the adaptation to the light that happened while the change was planned and saved.
       const auto before = pipeline_.setup();
       setup.context.adapted_lut = before->context.adapted_lut;
       setup.context.accepted_lut = before->context.accepted_lut;
@@ -170,7 +170,8 @@ bool RunningCamera::apply(Change& change, const std::array<double, 2>& robot_hei
   ++reopenings_;
   reopened_s_ = steady_s();
   const std::lock_guard lock(thread_mutex_);
-  // One thread at a time feeds the pipeline: the new one waits for the old one's end, nobody else does.
+  // Only one thread at a time feeds the pipeline: the new thread waits for the old thread to end; this call
+  // does not wait.
   change.thread->start(std::move(thread_));
   thread_ = std::move(change.thread);
   return true;

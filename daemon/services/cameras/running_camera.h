@@ -27,83 +27,84 @@
 
 namespace sslv {
 
-/// One camera of the service: its thread, its pipeline and the way out to the network. May be used from any
-/// thread. Hold it by shared_ptr: viewers of its frames keep it alive.
+/// One camera of the service: its thread, its pipeline and its output to the network. Thread-safe. Hold it by
+/// shared_ptr: viewers of its frames keep it alive.
 class RunningCamera {
  public:
-  /// Nothing is opened before start(). `multicast` must outlive this. `config`: that the settings are of.
-  /// `field`: the camera's way to the tracks. `totals`: of this camera's id. Throws std::system_error when
-  /// its thread cannot be had.
+  /// Opens nothing before start(). `multicast` must outlive this. `config`: contains the settings. `field`:
+  /// passes the camera's detections to the tracking. `totals`: the totals of this camera's id. Throws
+  /// std::system_error if its thread cannot be created.
   RunningCamera(const CameraSettings& settings, CameraSetup setup, std::shared_ptr<const Config> config,
                 MulticastSender& multicast, std::shared_ptr<SightingsQueue> field,
                 std::shared_ptr<CameraTotals> totals);
   ~RunningCamera();
-  /// Starts capturing; a camera that is not there is tried until it comes.
+  /// Starts capturing; a missing camera is retried until it appears.
   void start() noexcept;
-  /// Begins what the destructor does and does not wait for it.
+  /// Starts stopping without waiting; the destructor waits.
   void ask_to_stop();
-  /// Nobody waits for its controls any more: that fails, now and later.
+  /// All calls that wait for its controls fail, now and later.
   void end_control_calls();
-  /// Whether the destructor would not wait: its thread has ended, or hangs in the driver and is left behind
-  /// there. One that hangs in a stage has not. Once it was asked to stop.
+  /// Whether the destructor can run without waiting: the thread has ended, or hangs in the driver and was
+  /// abandoned there. A thread that hangs in a stage has not stopped. Call it after ask_to_stop().
   bool has_stopped();
 
-  /// What a change of its settings will do.
+  /// Effects of a change of its settings.
   struct Change {
     std::shared_ptr<const CameraSettings> settings;
-    std::shared_ptr<const Config> config;    // that they are of
-    std::optional<NewSetup> setup;           // none: as it is
-    std::string path;                        // of its controls in the settings
-    bool reopens = false;                    // for another source, a thread, or a control that needs it
-    ControlPlan controls{};                  // otherwise, of an open camera
-    std::unique_ptr<CameraThread> thread{};  // of get_ready(), when it is reopened
-    std::function<ControlQueue::Refusals()> control_outcome{};  // of apply(), when controls are set
+    std::shared_ptr<const Config> config;    // config that contains `settings`
+    std::optional<NewSetup> setup;           // none: unchanged
+    std::string path;                        // path of the camera's controls in the settings
+    bool reopens = false;                    // source, thread or a control require reopening
+    ControlPlan controls{};                  // for an open camera that is not reopened
+    std::unique_ptr<CameraThread> thread{};  // made by get_ready() if the camera is reopened
+    std::function<ControlQueue::Refusals()> control_outcome{};  // set by apply() if controls are set
   };
-  /// Asks the camera nothing. Throws SettingsError, beginning with `path`, for controls that an open camera
-  /// is known not to have or take.
+  /// Does not query the camera. Throws SettingsError, beginning with `path`, for controls that an open camera
+  /// is known not to have or accept.
   Change plan(const CameraSettings& settings, std::shared_ptr<const Config> config,
               std::optional<NewSetup> setup, std::string path) const;
-  /// Makes the stages and the thread that it needs. Throws std::system_error without a thread.
+  /// Creates the stages and the thread that the change needs. Throws std::system_error if no thread can be
+  /// created.
   void get_ready(Change& change);
-  /// The next frame uses the new setup, with robots of these heights. Says whether the camera is reopened;
-  /// its controls are set when it comes to that.
+  /// Applies the change; the next frame uses the new setup, with these robot heights. Returns whether the
+  /// camera is reopened. The controls are set later: see outcome().
   bool apply(Change& change, const std::array<double, 2>& robot_height_mm) noexcept;
-  /// Waits for that: a line for each control that was not taken, beginning with its path. One that is not
-  /// open any more will be opened with them.
+  /// Waits until the controls are set. Returns a line for each control that the camera refused, beginning
+  /// with the control's path. If the camera is no longer open, the controls are set when it is opened again.
   std::vector<std::string> outcome(const Change& change) const;
 
-  /// The next frame has robots of these heights. Not while another thread is in apply().
+  /// The next frame uses these robot heights. Must not be called while another thread is in apply().
   void change_robot_heights(const std::array<double, 2>& robot_height_mm);
 
-  /// See Cameras::change_light. Not while another thread is in apply().
+  /// See Cameras::change_light(). Must not be called while another thread is in apply().
   bool change_light(const std::shared_ptr<const Lut>& accepted, std::shared_ptr<const Lut> adapted);
 
   /// See CameraThread::try_now().
   CameraState try_now() const;
 
   std::shared_ptr<const CameraSettings> settings() const { return settings_->load(); }
-  /// Its counts come from the totals.
+  /// The counts are the totals of this camera's id (CameraTotals).
   CameraHealth health() const;
-  /// Those of the open camera; none while it is not open, or has none. To be asked through their queue.
+  /// Controls of the open camera; null while it is not open, or has none. Use them through their queue.
   std::shared_ptr<Controls> controls() const;
-  /// As they were when they were last read; none while the camera is not open.
+  /// The unsaved controls, as last read; empty while the camera is not open.
   std::vector<UnsavedControl> unsaved_controls() const;
-  /// What the settings say of its own controls: name -> value.
+  /// The saved values of its own controls: name -> value.
   Json saved_controls() const;
   const CameraPipeline& pipeline() const { return pipeline_; }
-  /// Its last seconds.
+  /// The recorder of its last seconds.
   const std::shared_ptr<RecordedCamera>& recorded() const { return recorded_; }
   /// From the frame's arrival to the packet on the socket.
   const RecentDurations& latency() const { return sink_.latency; }
-  /// From the middle of the exposure to there.
+  /// From the middle of the exposure to the packet on the socket.
   const RecentDurations& age() const { return sink_.age; }
-  /// Whether its thread goes on.
+  /// Progress of its thread.
   CameraProgress progress() const;
-  /// Times that apply() reopened it.
+  /// Number of times apply() reopened it.
   std::uint64_t reopenings() const { return reopenings_; }
-  /// When that was last, on the steady clock; 0: never.
+  /// Time of the last reopening on the steady clock, s; 0: never.
   double reopened_s() const { return reopened_s_; }
-  /// Lives as long as this.
+  /// Valid as long as this object.
   const CameraTotals& totals() const { return *totals_; }
 
  private:
@@ -117,7 +118,7 @@ class RunningCamera {
       mark.end();
       totals.stages[stage].add_ns(duration_ns);
     }
-    void left_out(std::size_t stage, const Senseless& what) noexcept override {
+    void left_out(std::size_t stage, const InvalidCounts& what) noexcept override {
       totals.left_out[stage].add(what);
     }
     DetectionSender sender;
@@ -126,30 +127,31 @@ class RunningCamera {
     RecentDurations latency, age;
     StageMark mark;
   };
-  /// The next frame uses it; `config`: null: as before.
+  /// The next frame uses `setup`. `config`: null if it is unchanged.
   void use(CameraSetup setup, std::shared_ptr<const Config> config = nullptr);
-  /// `controls`: what the camera is opened with besides the settings, unless they say otherwise.
+  /// `controls`: further values to open the camera with, for controls that the settings do not name.
   std::unique_ptr<CameraThread> make_thread(const CameraSettings& settings, const Scene& scene,
                                             ControlValues controls = {});
 
-  /// The camera that was opened last, and its controls: what they remember goes on when it is reopened.
+  /// The camera that was opened last, and its controls. When the same camera is reopened, the new controls
+  /// inherit the known state of the previous controls: see ControlQueue::begin().
   struct LastOpened {
     std::mutex mutex;
     Json camera;
     std::shared_ptr<Controls> controls;
-    Json settings;                             // name -> value that these have, or are being set to
+    Json settings;                             // name -> value to which the controls are or are being set
     std::uint64_t begun = 0, handed_over = 0;  // openings are numbered as they begin
 
     std::uint64_t begin();
-    /// `opened`: none: it has no controls. Nothing when a later opening was handed over: a thread that was
-    /// left behind may come back at any time.
+    /// `opened`: null if the camera has no controls. Does nothing if a later opening was handed over already:
+    /// an abandoned thread may return at any time.
     void hand_over(std::uint64_t number, const Json& source, const Json& settings_of_controls,
                    const std::shared_ptr<Controls>& opened);
-    /// Sets what these say otherwise; nothing when that is nothing.
+    /// Sets the controls whose settings have changed; returns an empty function if no setting has changed.
     std::function<ControlQueue::Refusals()> follow(const Snapshot<CameraSettings>& newest);
   };
 
-  /// Shared with the thread, which opens the camera by the newest settings and may be left behind.
+  /// Shared with the thread, which opens the camera with the newest settings and may be abandoned.
   const std::shared_ptr<Snapshot<CameraSettings>> settings_;
   const std::shared_ptr<LastOpened> last_opened_;
   const std::shared_ptr<CameraTotals> totals_;
@@ -159,7 +161,7 @@ class RunningCamera {
   const std::shared_ptr<RecordedCamera> recorded_ =
       std::make_shared<RecordedCamera>(settings_->load()->id, sink_.sender);
   CameraPipeline pipeline_;
-  mutable std::mutex thread_mutex_;  // guards the pointer
+  mutable std::mutex thread_mutex_;  // guards thread_
   std::unique_ptr<CameraThread> thread_;
 };
 

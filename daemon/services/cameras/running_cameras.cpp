@@ -23,7 +23,7 @@ std::array<double, 2> robot_heights_mm(const Config& config, const RefereeListen
   return {teams[0].robot_height_mm, teams[1].robot_height_mm};
 }
 
-/// A camera's finished frame on loan. The camera is held too, because the frame lies in its ring.
+/// A camera's finished frame, on loan. It also holds the camera, in whose ring the frame lies.
 struct HeldFrame {
   std::shared_ptr<RunningCamera> camera;
   FrameRef frame;
@@ -49,7 +49,7 @@ CameraNow now_of(const RunningCamera& camera) {
 
 }  // namespace
 
-/// What a change does to the list of cameras.
+/// Effects of a change on the list of cameras.
 struct RunningCameras::Planned {
   struct Changed {
     std::shared_ptr<RunningCamera> camera;
@@ -60,10 +60,10 @@ struct RunningCameras::Planned {
     NewSetup setup;
   };
   std::shared_ptr<const Config> config;
-  std::vector<Changed> changed;  // that go on, whatever changes about them
+  std::vector<Changed> changed;  // cameras that stay in the settings, even unchanged
   std::vector<Added> added;
-  List removed, started{};                   // of get_ready(): those that were added
-  std::shared_ptr<const Running> running{};  // likewise: all that are to run
+  List removed, started{};                   // started: made by get_ready() from `added`
+  std::shared_ptr<const Running> running{};  // made by get_ready(): all cameras that will run
 };
 
 RunningCameras::RunningCameras(const Snapshot<Config>& config, MulticastSender& multicast, FieldIntake& field,
@@ -228,7 +228,7 @@ void RunningCameras::get_ready(Planned& planned) {
 }
 
 void RunningCameras::apply(Planned& planned) noexcept {
-  std::set<int> changed;  // ids of the cameras that do not go on showing what they showed
+  std::set<int> changed;  // ids of the cameras that now show something else
   {
     const std::lock_guard lock(mutex_);
     const auto heights_mm = robot_heights_mm(*config_.load(), referee_);
@@ -248,11 +248,11 @@ void RunningCameras::apply(Planned& planned) noexcept {
   }
   for (CameraObserver* observer : observers_) observer->cameras_changed(changed);
   for (const auto& camera : planned.started) camera->start();
-  planned.removed.clear();  // the plan holds them no longer
+  planned.removed.clear();  // so that the plan does not keep these cameras alive
 }
 
 void RunningCameras::drop_stopped() {
-  const auto before = gone_.load();  // those that go end with it, after the lock
+  const auto before = gone_.load();  // keeps the stopped cameras until the lock is released
   if (before->empty()) return;
   const std::lock_guard lock(mutex_);
   List gone = *gone_.load();
@@ -263,7 +263,7 @@ void RunningCameras::drop_stopped() {
 void RunningCameras::update_robot_heights() {
   const std::lock_guard lock(mutex_);
   const auto teams = teams_now(config_.load()->teams, referee_.team_names());
-  // The names come from the network: as JSON, so that one cannot forge a line of the log.
+  // The names come from the network. Logged as JSON, they cannot forge a line of the log.
   log::info("teams: yellow {} {} mm, blue {} {} mm", Json(teams[0].name).dump(), teams[0].robot_height_mm,
             Json(teams[1].name).dump(), teams[1].robot_height_mm);
   for (const auto& camera : list())
@@ -274,7 +274,8 @@ std::string RunningCameras::hanging() const {
   std::vector<CameraProgress> progress;
   for (const auto& camera : list()) progress.push_back(camera->progress());
   for (const auto& camera : *gone_.load()) {
-    // One that hangs in its driver is left behind there.
+    // A removed camera counts only while its thread is in a stage: a thread that hangs in its driver was
+    // abandoned there.
     if (auto gone = camera->progress(); gone.stage) progress.push_back(std::move(gone));
   }
   return find_hanging(progress, steady_ns());

@@ -17,16 +17,16 @@
 
 namespace sslv {
 
-/// The cameras that run, one for each of the settings. May be used from any thread.
+/// The running cameras, one for each camera in the settings. Thread-safe.
 class RunningCameras final : public Cameras, public ViewSource {
  public:
-  /// All must outlive this. `config`: in effect. `load_table`: see make_context(). No camera runs before the
-  /// first change is applied.
+  /// All must outlive this. `config`: the settings in effect. `load_table`: see make_context(). No camera
+  /// runs before the first change is applied.
   RunningCameras(const Snapshot<Config>& config, MulticastSender& multicast, FieldIntake& field,
                  const RefereeListener& referee, LoadTable load_table);
-  /// Stops all cameras at once.
+  /// Stops all cameras in parallel.
   ~RunningCameras() override { ask_to_stop(); }
-  /// Begins that and does not wait for it.
+  /// Starts stopping without waiting.
   void ask_to_stop();
 
   // Cameras
@@ -47,17 +47,17 @@ class RunningCameras final : public Cameras, public ViewSource {
                                 std::chrono::milliseconds timeout) override;
 
   using List = std::vector<std::shared_ptr<RunningCamera>>;
-  /// In the order of their ids.
+  /// In order of id.
   List list() const;
-  /// Null when there is none with this id.
+  /// Null if there is no camera with this id.
   std::shared_ptr<RunningCamera> find(int camera_id) const;
 
-  /// What a change of settings does to them.
+  /// Effects of a change of settings on the cameras.
   Plan plan(const SettingsChange& change);
-  /// Lets go of cameras that were taken out of the settings and have stopped. Waits for none: one that hangs
-  /// in a stage stays, and is hanging().
+  /// Releases cameras that were removed from the settings and have stopped. Does not wait: a camera that
+  /// hangs in a stage stays, and hanging() reports it.
   void drop_stopped();
-  /// Gives every camera the heights of the teams that play now. For the referee's thread.
+  /// Gives every camera the robot heights of the teams that are playing. For the referee's thread.
   void update_robot_heights();
 
  private:
@@ -72,10 +72,10 @@ class RunningCameras final : public Cameras, public ViewSource {
   const RefereeListener& referee_;
   const LoadTable load_table_;
   std::vector<CameraObserver*> observers_;
-  std::mutex mutex_;                                     // held while cameras get new setups; guards the next
+  std::mutex mutex_;                                     // held while cameras get new setups; guards totals_
   std::map<int, std::shared_ptr<CameraTotals>> totals_;  // by id
   Snapshot<Running> running_{Running{}};
-  Snapshot<List> gone_{List{}};  // that still have to end; written with the mutex held
+  Snapshot<List> gone_{List{}};  // removed cameras that still run; written with the mutex held
 };
 
 }  // namespace sslv

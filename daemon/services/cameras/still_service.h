@@ -11,7 +11,7 @@
 
 namespace sslv {
 
-/// Keeps images that somebody wants to look at for a while, and tells what their pixels are.
+/// Keeps still images for a while, for viewing, and returns the values of their pixels.
 class StillService final : public Service, public Pictures {
  public:
   /// `cameras` must outlive this.

@@ -14,7 +14,7 @@
 
 namespace sslv {
 
-/// An image with bytes of its own.
+/// An image that owns its bytes.
 struct StillPicture {
   StillPicture(const ImageView& image, std::uint32_t frame, double t_capture);
 
@@ -24,19 +24,19 @@ struct StillPicture {
   double t_capture_s;
 };
 
-/// Images that somebody wants to look at for a while: the newest few of each camera, until nobody has asked
-/// for them for long. May be used from any thread.
+/// Still images for viewing: the newest kMaxOfACamera of each camera. A still is dropped when nobody has
+/// requested it for kLongest. Thread-safe.
 class Stills {
  public:
   using Clock = std::chrono::steady_clock;
   static constexpr std::size_t kMaxOfACamera = 4;
   static constexpr std::chrono::minutes kLongest{10};
 
-  /// Its number; numbers only grow.
+  /// Returns the still's number; each still gets a higher number than all earlier stills.
   int keep(int camera_id, StillPicture picture, Clock::time_point now = Clock::now());
-  /// Null when there is none of that number, or none any more.
+  /// Returns null if there never was a still with this number, or if it was dropped.
   std::shared_ptr<const StillPicture> find(int camera_id, int number, Clock::time_point now = Clock::now());
-  /// Lets go of what nobody has asked for.
+  /// Drops stills that nobody has requested for kLongest.
   void forget_old(Clock::time_point now = Clock::now());
 
  private:
@@ -47,7 +47,7 @@ class Stills {
   };
   void forget_old_locked(Clock::time_point now);
 
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards the members below
   int newest_ = 0;
   std::map<int, std::deque<Still>> stills_;  // by camera, oldest first
 };

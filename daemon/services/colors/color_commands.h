@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What clients ask to be done to a colour table: docs/openapi.json's ColorEdits.
+// Clients' commands for a colour table: ColorEdits in docs/openapi.json.
 
 #include "base/json.h"
 #include "base/params.h"
@@ -40,7 +40,7 @@ struct WidenCommand {
 };
 
 struct EditRequest {
-  Json commands;  // a list that is not empty
+  Json commands;  // a list, not empty
   bool only_try = false;
 };
 
@@ -50,10 +50,10 @@ EditRequest read_edit_request(const Json& json);
 /// Throws SettingsError, beginning with `path`.
 Label find_label(const LabelSet& labels, const std::string& name, const std::string& path);
 
-/// Several commands in the words of the first, and how many more.
+/// Describes several edits by the first edit and the number of further edits.
 std::string what_they_did(const std::vector<TableEdit>& edits, const LabelSet& labels);
 
-/// Beyond some thousand pixels a pick says what a sample of it says.
+/// Returns at most 20 000 pixels of a pick, evenly chosen, to represent all of its pixels.
 std::vector<Yuv> thinned(std::vector<Yuv> pixels);
 
 }  // namespace sslv

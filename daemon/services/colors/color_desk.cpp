@@ -12,7 +12,7 @@ namespace sslv {
 
 void ColorDesk::take(std::shared_ptr<const Lut> accepted) {
   if (accepted == table_) return;
-  // A table that was read again is still the same.
+  // The same table, loaded again: keep the history.
   if (table_ && accepted->color_table() == table_->color_table()) {
     table_ = std::move(accepted);
     return;

@@ -17,38 +17,38 @@
 
 namespace sslv {
 
-/// What an edit changes.
+/// Result of an edit.
 struct TableChange {
-  std::shared_ptr<const Lut> lut;  // the table with it; the same as before when nothing changes
+  std::shared_ptr<const Lut> lut;  // the edited table; the same as before when nothing changes
   std::vector<CellRun> cells;
-  std::size_t left_clear = 0;  // cells that clusters would have taken from a surface
+  std::size_t left_clear = 0;  // cells of added clusters that stay clear: the carpet has them
 };
 
-/// A camera's accepted table, and what was done to it since it was put on the desk: the edits of all people,
-/// one after the other. The caller ensures that one thread uses it at a time.
+/// A camera's accepted table and its undo history: the edits of all users, one after the other. Not
+/// thread-safe.
 class ColorDesk {
  public:
-  /// Puts this table onto the desk. Another than the one that lies there has no history here.
+  /// Sets the accepted table. If it differs from the current table, the history is cleared.
   void take(std::shared_ptr<const Lut> accepted);
 
   const std::shared_ptr<const Lut>& table() const { return table_; }
-  /// Grows with each change of the table.
+  /// Increases with each change of the table.
   std::uint64_t revision() const { return revision_; }
   const TableHistory& history() const { return history_; }
-  /// Of the table; counted once for each.
+  /// Statistics of the table; counted once for each table.
   const TableStatistics& statistics();
 
-  /// What these edits together would change. Throws SettingsError.
+  /// Returns the change that these edits together would make. Throws SettingsError.
   TableChange preview(std::span<const TableEdit> edits) const;
 
-  /// Each applies a table by `save`; when that throws, nothing has changed here either.
+  /// The following functions apply a table through `save`. If it throws, nothing has changed here either.
   using Save = std::function<void(const std::shared_ptr<const Lut>& lut, const std::string& what)>;
-  /// One step of undo; none when nothing changes.
+  /// Adds one undo step, unless nothing changes.
   void change(const TableChange& change, const std::string& what, const std::string& who, const Save& save);
-  /// Of whatever bits: the steps before it cannot be undone here any more when they differ.
+  /// If `lut` has another number of colour bits than the table, the history is cleared.
   void replace(std::shared_ptr<const Lut> lut, const std::string& what, const std::string& who,
                const Save& save);
-  /// False when there is nothing to undo, to do again.
+  /// False when there is nothing to undo or redo.
   bool undo(const Save& save);
   bool redo(const Save& save);
 
@@ -58,11 +58,11 @@ class ColorDesk {
   std::shared_ptr<const Lut> table_;
   std::uint64_t revision_ = 0;
   TableHistory history_;
-  std::uint64_t counted_ = 0;  // Lut::id of the statistics' table
+  std::uint64_t counted_ = 0;  // Lut::id of the table of statistics_
   TableStatistics statistics_;
 };
 
-/// How many cells these runs have, by the label before.
+/// Number of cells in these runs, by their previous label.
 std::vector<std::pair<Label, std::size_t>> cells_before(std::span<const CellRun> runs);
 
 }  // namespace sslv

@@ -20,17 +20,19 @@ namespace {
 
 using StillPictures = std::vector<std::shared_ptr<const StillPicture>>;
 
-/// Fresh images some time apart, so that things have moved; fewer when it was stopped. Throws CaptureError.
-StillPictures collect(FreshFrames frames, int wanted, const JobProgress& progress,
-                      const std::stop_token& stop) {
-  constexpr std::chrono::milliseconds kLook{100};  // how soon a cancellation is seen
-  constexpr double kApart_s = 0.3;
+/// Returns `wanted` fresh images, with some time in between so that objects have moved; when stopped, fewer
+/// images. Throws CaptureError.
+StillPictures collect_pictures(FreshFrames frames, int wanted, const JobProgress& progress,
+                               const std::stop_token& stop) {
+  constexpr std::chrono::milliseconds kLook{100};  // longest delay of a cancellation
+  constexpr double kSpacing_s = 0.3;
   StillPictures pictures;
   while (static_cast<int>(pictures.size()) < wanted && !stop.stop_requested()) {
     const auto frame = frames.next(kLook);
     if (!frame) continue;
-    // Either way: the clock may have been set back.
-    if (!pictures.empty() && std::abs(frame->t_capture_s - pictures.back()->t_capture_s) < kApart_s) continue;
+    // Compare the absolute difference, because the clock may have been set back.
+    if (!pictures.empty() && std::abs(frame->t_capture_s - pictures.back()->t_capture_s) < kSpacing_s)
+      continue;
     if (frame->image.format == PixelFormat::kMono8)
       throw CaptureError("the camera's images have no colours: there is no table to learn");
     const auto& view = frame->image;
@@ -120,7 +122,8 @@ ColorLearning make_color_learning(WaitFrame wait_frame, std::chrono::millisecond
   const auto work = [wait_frame = std::move(wait_frame), silence](
                         int camera_id, const LearningOrder& order, const JobProgress& progress,
                         const std::stop_token& stop) -> LearningReport {
-    const StillPictures pictures = collect({wait_frame, camera_id, silence}, order.frames, progress, stop);
+    const StillPictures pictures =
+        collect_pictures({wait_frame, camera_id, silence}, order.frames, progress, stop);
     if (stop.stop_requested()) return {};
     progress.solving();
     return learn(order, pictures, stop);

@@ -23,13 +23,13 @@ namespace sslv {
 struct LearningOrder {
   int frames = 3;
   std::vector<ColorSample> guide;
-  CameraSettings settings;  // its stack and stages say what would be detected
-  CameraContext context;    // with the table to compare with
+  CameraSettings settings;  // its stack and stages are used for detection
+  CameraContext context;    // has the table that the learnt table is compared with
   std::string who;          // the client's address
   double time_s = 0;
 };
 
-/// An image it learnt from, and what is found in it with either table.
+/// An image that colours were learnt from, with the detections of the old and of the new table.
 struct LearningPicture {
   std::shared_ptr<const StillPicture> picture;
   RobotList robots_before, robots_after;
@@ -40,19 +40,19 @@ struct LearningReport {
   LearntColors learnt;
   bool calibrated = false;
   std::shared_ptr<const Lut> before;
-  using Cells = std::array<std::size_t, label::kMaxCount>;  // of each label, in a table
+  using Cells = std::array<std::size_t, label::kMaxCount>;  // number of cells of each label
   Cells cells_before{}, cells_after{};
   std::vector<LearningPicture> pictures;
   std::size_t changed_cells = 0;
   double seconds = 0;
 };
 
-/// Learns cameras' colours while they go on working. Keys are the cameras' ids.
+/// Learns cameras' colours while they keep running. Keys are the cameras' ids.
 using ColorLearning = BackgroundJobs<LearningOrder, LearningReport>;
 
 ColorLearning make_color_learning(WaitFrame wait_frame, std::chrono::milliseconds silence = kSilence);
 
-/// For cameras that show something else from now on, or are gone.
+/// Fails the jobs of cameras whose view has changed or that are gone.
 void invalidate(ColorLearning& jobs, const std::set<int>& camera_ids);
 
 }  // namespace sslv

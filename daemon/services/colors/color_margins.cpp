@@ -15,32 +15,34 @@
 namespace sslv {
 namespace {
 
-// Around a robot lies what its hull and shadow do to the carpet.
+// Excluded around robots and balls: a robot's hull and shadow change the carpet's colours.
 constexpr double kRobotReachMm = 130, kBallReach = 1.6;
-/// A share of one processor, whatever the number of cameras and the size of their frames.
+/// Pause after work, as a multiple of the processor time that the work took. So measuring a camera's surfaces
+/// takes at most 2 % of a processor, and computing its margins at most another 2 %, whatever the size of its
+/// frames.
 constexpr int kRestPerWork = 50;
 
-/// How long the processor has worked for this thread, however long others kept it waiting.
+/// Processor time of this thread, without the time in which other threads kept it waiting.
 std::chrono::nanoseconds work_so_far() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
 }
 
-/// 0 where the camera does not see that plane.
+/// Scale at a pixel for the plane z = height; 0 where the camera does not see this plane.
 double px_per_mm(const CameraModel& camera, const Eigen::Vector2d& pixel, double height_mm) {
   const double area_mm2 = camera.mm2_per_px(pixel, height_mm);
   return area_mm2 > 0 ? 1 / std::sqrt(area_mm2) : 0;
 }
 
 double largest_dot_px(const ImageView& image, const Scene& scene, const PatternTable& patterns) {
-  // Without a calibration: no camera of a field shows dots as large.
+  // Upper limit, also used without a calibration: no camera of a field shows larger dots.
   constexpr int kDotsAcross = 40;
   const double unknown = static_cast<double>(image.width) / kDotsAcross;
   if (!scene.camera) return unknown;
   const double largest_mm = std::max(patterns.center_diameter_mm, 2 * scene.field.ball_radius);
   double largest_px = 0;
-  constexpr int kPlaces = 3;  // each way: a tilted camera's scale differs
+  constexpr int kPlaces = 3;  // in each direction: the scale of a tilted camera varies over the image
   for (int i = 0; i < kPlaces * kPlaces; ++i) {
     const int column = i % kPlaces, row = i / kPlaces;
     const Eigen::Vector2d pixel((column + 0.5) * image.width / kPlaces, (row + 0.5) * image.height / kPlaces);
@@ -52,7 +54,7 @@ double largest_dot_px(const ImageView& image, const Scene& scene, const PatternT
 
 std::vector<PixelDisc> robots_and_balls(const LentFrame& frame, const Scene& scene) {
   std::vector<PixelDisc> out;
-  if (!scene.camera) return out;  // nothing is located then
+  if (!scene.camera) return out;  // without a calibration, detections have no position
   const auto add = [&](double x_px, double y_px, double height_mm, double radius_mm) {
     out.push_back({0, x_px, y_px, radius_mm * px_per_mm(*scene.camera, {x_px, y_px}, height_mm)});
   };
@@ -153,7 +155,7 @@ void ColorMargins::look_at(const Camera& camera, Look& look, const std::stop_tok
     const std::lock_guard lock(mutex_);
     auto& known = known_[camera.id];
     if (!known) known = std::make_shared<Known>();
-    if (look.known != known) look = {.known = known};  // forgotten meanwhile: starts over
+    if (look.known != known) look = {.known = known};  // forgotten meanwhile: start over
   }
   const auto begun = Clock::now();
   const auto work_before = work_so_far();
@@ -163,9 +165,9 @@ void ColorMargins::look_at(const Camera& camera, Look& look, const std::stop_tok
   if (look.scene != camera.scene || look.mask != camera.mask || begun >= look.next) {
     try {
       if (see_surfaces(camera, look, ending)) look.next = rest(pace_.between_looks);
-    } catch (const CaptureError&) {  // the camera is gone: so it will be from the next list
+    } catch (const CaptureError&) {  // the camera no longer exists; the next list lacks it
     }
-  } else if (begun >= look.next_count) {  // tables that follow the light may be new several times a second
+  } else if (begun >= look.next_count) {  // tables that follow the light may change several times a second
     margins(camera.id, *camera.lut, ending);
     look.next_count = rest({});
   }
@@ -175,7 +177,7 @@ bool ColorMargins::see_surfaces(const Camera& camera, Look& look, const std::sto
   auto frame = hooks_.wait_frame(camera.id, look.version, std::chrono::milliseconds(0));
   if (!frame) return false;
   if (!has_colors(frame->image.format)) {
-    // What was seen before it sent grey images no longer holds.
+    // Surfaces that were measured before the camera sent grey images are no longer valid.
     const std::lock_guard lock(mutex_);
     look.known->surfaces = nullptr;
     look.known->margins.clear();
@@ -185,7 +187,7 @@ bool ColorMargins::see_surfaces(const Camera& camera, Look& look, const std::sto
   look.scene = camera.scene;
   look.mask = camera.mask;
   look.version = frame->version;
-  // What is looked at for long is a copy: the camera needs its own.
+  // Work on a copy and release the frame: the camera needs it.
   const StillPicture picture(frame->image, frame->number, frame->t_capture_s);
   const std::vector<Robot> robots(frame->robots.begin(), frame->robots.end());
   const std::vector<Ball> balls(frame->balls.begin(), frame->balls.end());
@@ -195,10 +197,11 @@ bool ColorMargins::see_surfaces(const Camera& camera, Look& look, const std::sto
   frame->balls = balls;
   auto surfaces = std::make_shared<const SurfaceColors>(
       surfaces_of(*frame, *camera.scene, *camera.patterns, camera.mask.get(), ending));
-  // A dark or covered camera shows no carpet: what was known of it still holds.
+  // A dark or covered camera shows no carpet: keep the earlier surfaces.
   if (surfaces->total(SurfaceKind::kCarpet) == 0) return true;
   auto margins = table_margins(*camera.lut, *surfaces, ending);
-  // What was seen before stays while it says the same: a promise that was made on it is then kept.
+  // Keep the earlier surfaces while they give about the same margins: a table whose margins were widened for
+  // the earlier surfaces then keeps the margins that the user was shown.
   if (const auto before = this->margins(camera.id, *camera.lut, ending);
       !is_another_view && before && about_same(*before, margins))
     return true;

@@ -25,17 +25,17 @@
 
 namespace sslv {
 
-/// What is large in a frame of a calibrated or uncalibrated camera, beside the robots and balls found in it:
-/// carpet, floor and others.
+/// Colours of the large surfaces (carpet, floor and others) in a frame of a calibrated or uncalibrated
+/// camera, without the robots and balls found in it.
 SurfaceColors surfaces_of(const LentFrame& frame, const Scene& scene, const PatternTable& patterns,
                           const Mask* mask, const std::stop_token& stop = {});
 
-/// Looks at carpet and floor in each camera's frames every few seconds, in one thread of low priority, and
-/// knows how far its colour table is from them. May be used from any thread.
+/// Measures the colours of carpet and floor in each camera's frames every few seconds, and the margins
+/// between these colours and the camera's colour table, in one thread of low priority. Thread-safe.
 class ColorMargins {
  public:
   using Clock = std::chrono::steady_clock;
-  /// What is in effect for a camera.
+  /// Current settings of a camera.
   struct Camera {
     int id;
     std::shared_ptr<const Lut> lut;
@@ -43,7 +43,7 @@ class ColorMargins {
     std::shared_ptr<const Mask> mask;
     std::shared_ptr<const PatternTable> patterns;
   };
-  /// What it asks of others, all from its own thread.
+  /// Callbacks, all called from thread_.
   struct Hooks {
     WaitFrame wait_frame;
     std::function<std::vector<Camera>()> cameras;
@@ -56,32 +56,33 @@ class ColorMargins {
   explicit ColorMargins(Hooks hooks, Pace pace);
   explicit ColorMargins(Hooks hooks) : ColorMargins(std::move(hooks), Pace{}) {}
 
-  /// Begins what the destructor does, and does not wait for it.
+  /// Starts stopping without waiting; the destructor waits.
   void ask_to_stop() { thread_.request_stop(); }
 
-  /// As they were seen last; null when they have not been, and of a camera without colours.
+  /// The surfaces measured last; null before the first measurement, and for a camera without colours.
   std::shared_ptr<const SurfaceColors> surfaces(int camera_id) const;
-  /// Of the camera's table, or of one that it is to have; counted now, in some tens of milliseconds, unless
-  /// that was done already. Nothing while its surfaces are not known.
+  /// Returns the margins of the camera's current table, or of a table that may replace it. Takes some tens of
+  /// milliseconds if they were not computed before. Returns nothing while the camera's surfaces are unknown,
+  /// or when stopped.
   std::optional<std::vector<LabelMargin>> margins(int camera_id, const Lut& lut,
                                                   const std::stop_token& stop = {});
-  /// Those that were counted last.
+  /// The margins computed last.
   std::optional<std::vector<LabelMargin>> newest_margins(int camera_id) const;
-  /// Of cameras that show something else from now on, or are gone.
+  /// Drops the data of cameras whose view has changed or that are gone.
   void forget(const std::set<int>& camera_ids);
 
  private:
   struct Known {
-    std::shared_ptr<const SurfaceColors> surfaces;  // null: not seen yet
-    std::vector<LabelMargin> margins;               // of a table to these surfaces
-    std::uint64_t lut_id = 0;                       // of that table
+    std::shared_ptr<const SurfaceColors> surfaces;  // null: not measured yet
+    std::vector<LabelMargin> margins;               // margins between a table and these surfaces
+    std::uint64_t lut_id = 0;                       // Lut::id of that table
   };
-  /// What its own thread keeps of a camera.
+  /// State of a camera, used only by thread_.
   struct Look {
     std::shared_ptr<Known> known{};
-    std::shared_ptr<const Scene> scene{};  // that it was looked at with
+    std::shared_ptr<const Scene> scene{};  // scene at the last measurement
     std::shared_ptr<const Mask> mask{};
-    std::uint64_t version = 0;  // of the frame
+    std::uint64_t version = 0;  // version of the last measured frame
     Clock::time_point next{}, next_count{};
   };
   void serve(const std::stop_token& ending);
@@ -91,11 +92,11 @@ class ColorMargins {
 
   const Hooks hooks_;
   const Pace pace_;
-  std::map<int, Look> looks_;  // by camera id; its own thread's
-  mutable std::mutex mutex_;   // guards what follows
+  std::map<int, Look> looks_;  // by camera id; used only by thread_
+  mutable std::mutex mutex_;   // guards the members below
   std::condition_variable_any rests_;
   std::map<int, std::shared_ptr<Known>> known_;  // by camera id
-  std::jthread thread_;                          // last: it uses all the others
+  std::jthread thread_;                          // last: the thread uses all members above
 };
 
 }  // namespace sslv

@@ -11,22 +11,23 @@
 
 namespace sslv {
 
-/// What is known of a camera's colours.
+/// State of a camera's colours.
 struct ColorFacts {
   int camera_id = 0;
-  /// Of its colour table to the carpet; empty: not known.
+  /// Smallest margin of its colour table to the carpet; nullopt: unknown.
   struct Margin {
-    double share;      // of the light, at most kMax
-    std::string text;  // "carpet becomes green at +9 %"; empty: nothing does
+    double share;      // relative change of the light; at most kMax
+    std::string text;  // "carpet becomes green at +9 %"; empty: the carpet gets no label
     static constexpr double kMax = LabelMargin::kMaxFactor - 1;
   };
   std::optional<Margin> min_margin{};
-  std::vector<std::string> missing_labels{};  // that the league's patterns and ball need: no colour has them
-  std::vector<std::string> swapped_labels{};  // "green for pink": those that have the hue of another
-  std::string grey_format{};                  // its images have no colours, and its stack labels them
+  std::vector<std::string> missing_labels{};  // labels of the league's patterns and ball that no cell has
+  std::vector<std::string> swapped_labels{};  // "green for pink": labels with another label's hue
+  std::string grey_format{};  // its pixel format, if that has no colours although its stack labels images
 };
 
-/// Adds their alerts and the check "colors". `lost_tables`: why saved tables could not be used at start.
+/// Adds the cameras' alerts and the check "colors". `lost_tables`: the reason for each saved table that could
+/// not be used at start.
 void report_colors(std::span<const ColorFacts> cameras, const std::vector<std::string>& lost_tables,
                    HealthReport& report);
 

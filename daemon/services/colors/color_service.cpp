@@ -90,7 +90,7 @@ Json ColorService::state_json(int camera_id) {
 }
 
 Json ColorService::state_json(const ColorTables::AtDesk& at) {
-  // The camera may have another table by now than when it was put on the desk.
+  // The camera's table may have changed since the desk was opened.
   const CameraNow camera = cameras_.get(at.camera.id);
   at.desk.take(camera.context().accepted_lut);
   const ColorSettings& colors = camera.settings->colors;
@@ -183,7 +183,7 @@ TableEdit ColorService::read_pick(const ColorTables::AtDesk& at, const Json& jso
   if (pick.take_away) return RemoveClusterEdit{label, std::move(cluster)};
   AddClusterEdit edit{label, std::move(cluster), Over::kAny};
   if (const auto surfaces = margins_.surfaces(at.camera.id); surfaces && !is_surface_label(label)) {
-    // Who points at carpet or floor means it.
+    // A user who picks a colour of carpet or floor does so on purpose: then no cell has to stay clear.
     const PixelFigures figures = figures_of(block);
     const auto level = [&](std::size_t c) { return static_cast<std::uint8_t>(std::lround(figures.mean[c])); };
     const Yuv mean{level(0), level(1), level(2)};
@@ -205,7 +205,8 @@ Response ColorService::edit(const Request& request) {
   const ColorDesk before = at.desk;
   Json out;
   try {
-    // The edit is made on the table that is in use; both steps are saved, and take effect, as one.
+    // The edit applies to the table in use, so an adapted table is accepted first. Both steps are saved and
+    // take effect together.
     if (!wanted.only_try && at.is_adapted()) {
       at.desk.replace(with_bits(at.camera.context().adapted_lut, at.desk.table()->color_bits()),
                       "accepted as adapted to the light", request.address, [](const auto&, const auto&) {});
@@ -215,7 +216,7 @@ Response ColorService::edit(const Request& request) {
     if (!wanted.only_try) {
       at.desk.change(change, what_they_did(edits, at.labels()), request.address,
                      tables_.saver(at, request.address));
-      // An edit that changes no cell saves nothing: the adapted table is kept all the same.
+      // An edit that changes no cell saves nothing; the adapted table must be saved nevertheless.
       if (at.desk.table() != before.table() && change.cells.empty()) {
         tables_.saver(at, request.address)(at.desk.table(), "accepted as adapted to the light");
       }

@@ -18,7 +18,7 @@
 
 namespace sslv {
 
-/// Colour tables: looked at, edited, imported, exported, following the light; and how far they are from
+/// Shows, edits, imports and exports colour tables, lets them follow the light, and reports their margins to
 /// carpet and floor.
 class ColorService final : public Service, public CameraObserver {
  public:
@@ -26,7 +26,7 @@ class ColorService final : public Service, public CameraObserver {
   ColorService(Cameras& cameras, Pictures& pictures, ColorTables& tables, SavedTables& saved,
                const RefereeListener& referee);
 
-  /// docs/openapi.json's Colors. Throws HttpError 404.
+  /// Colors in docs/openapi.json. Throws HttpError 404.
   Json state_json(int camera_id);
 
   void ask_to_stop() override {
@@ -41,7 +41,7 @@ class ColorService final : public Service, public CameraObserver {
   void each_second() override;
 
  private:
-  /// What is wrong with a camera's accepted table; see ColorFacts.
+  /// Faults of a camera's accepted table; see ColorFacts.
   struct TableFaults {
     std::shared_ptr<const Lut> lut;
     std::vector<std::string> missing, swapped;
@@ -65,7 +65,7 @@ class ColorService final : public Service, public CameraObserver {
   ColorTables& tables_;
   SavedTables& saved_;
   Snapshot<std::map<int, TableFaults>> faults_{std::map<int, TableFaults>{}};  // by camera id
-  FollowLight follow_light_;  // this and the next: last, they ask the others
+  FollowLight follow_light_;  // this and the next are last: their threads use the members above
   ColorMargins margins_;
 };
 

@@ -41,7 +41,7 @@ void ColorTables::name_table(int camera_id, const std::string& name, const std::
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     if (cameras[i].at("id") != camera_id) continue;
     const std::string path = fmt::format("/cameras/{}", i);
-    // The list may have been changed meanwhile: not another camera's.
+    // The list of cameras may have changed meanwhile: do not change another camera.
     const Json patch{{{"op", "test"}, {"path", path + "/id"}, {"value", camera_id}},
                      {{"op", "replace"}, {"path", path + "/colors/table"}, {"value", name}}};
     SettingsEdit edit{who, {}, "colours"};

@@ -118,7 +118,7 @@ Json colors_json(int camera_id, const std::string& origin, ColorDesk& desk, cons
   Json label_list = Json::array();
   for (std::size_t i = 0; i < label::kMaxCount; ++i) {
     const auto value = static_cast<Label>(i);
-    // One that was taken out of the settings may still be in the table.
+    // A label that was removed from the settings may still be in the table.
     if (!labels.has(value) && statistics.cells[i] == 0) continue;
     label_list.push_back({{"value", i},
                           {"name", labels.name(value)},

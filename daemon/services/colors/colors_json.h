@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Colour tables as docs/openapi.json has them.
+// JSON of colour tables, as specified in docs/openapi.json.
 
 #include "base/json.h"
 #include "colors/light_follower.h"
@@ -16,22 +16,22 @@
 
 namespace sslv {
 
-/// How the table in use differs from the accepted one.
+/// Difference between the table in use and the accepted table.
 struct LightView {
   LightState state;
   std::vector<LightStep> steps;  // oldest first
-  bool changed = false;          // the table in use is not the accepted one
+  bool changed = false;          // the table in use is not the accepted table
 };
 
 Json light_json(const LightView& light);
 Json colors_json(int camera_id, const std::string& origin, ColorDesk& desk, const LabelSet& labels,
                  const LightView& light, const std::optional<std::vector<LabelMargin>>& margins);
-/// Of an edit: "cells", "from" and "left_to_carpet".
+/// JSON of an edit: "cells", "from" and "left_to_carpet".
 Json table_change_json(const TableChange& change, const LabelSet& labels);
 Json imported_json(const std::vector<ImportedTable>& tables, const LabelSet& labels);
 Json learning_json(int camera_id, const ColorLearning::Job& job, const LabelSet& labels);
 
-/// What a client asks learning for.
+/// A client's request to learn colours.
 struct LearningClick {
   std::string label;
   int x = 0, y = 0, still = 0;

@@ -71,7 +71,7 @@ void FollowLight::look_at(const Camera& camera, Followed& followed, bool take_ba
         follower.observe(camera.params, {frame->t_capture_s, frame->image, *camera.scene, *camera.patterns,
                                          frame->robots, hooks_.game_is_running()});
       }
-    } catch (const CaptureError&) {  // the camera is gone: so it will be from the next list
+    } catch (const CaptureError&) {  // the camera no longer exists; the next list lacks it
     }
   }
   if (auto table = follower.new_table()) {

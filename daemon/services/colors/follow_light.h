@@ -22,26 +22,26 @@
 
 namespace sslv {
 
-/// Looks at each camera's newest finished frame a few times a second and makes its colour table follow the
-/// light, in one thread of low priority; an idle one would starve where browser and service share two cores.
-/// May be used from any thread.
+/// Adapts each camera's colour table to the light a few times a second, using the camera's newest processed
+/// frame, in one thread of low priority. At idle priority, the thread would starve if browser and service
+/// share two cores. Thread-safe.
 class FollowLight {
  public:
-  /// What is in effect for a camera.
+  /// Current settings of a camera.
   struct Camera {
     int id;
     FollowLightParams params;
-    std::shared_ptr<const Lut> accepted;  // the table of the settings, whichever is in use
+    std::shared_ptr<const Lut> accepted;  // the settings' table, even if an adapted table is in use
     std::shared_ptr<const Scene> scene;
     std::shared_ptr<const PatternTable> patterns;
   };
-  /// What it asks of others, all from its own thread.
+  /// Callbacks, all called from thread_.
   struct Hooks {
     WaitFrame wait_frame;
     std::function<std::vector<Camera>()> cameras;
     std::function<bool()> game_is_running;
-    /// Applies a table that was made of `accepted`, or `accepted` itself. Does nothing when the settings have
-    /// another table than `accepted` by now.
+    /// Applies a table made from `accepted`, or `accepted` itself. Does nothing if `accepted` is no longer
+    /// the settings' table.
     std::function<void(int camera_id, const std::shared_ptr<const Lut>& accepted,
                        std::shared_ptr<const Lut> table)>
         put_table;
@@ -53,21 +53,22 @@ class FollowLight {
 
   explicit FollowLight(Hooks hooks, std::chrono::milliseconds between_looks = std::chrono::milliseconds(200));
 
-  /// Begins what the destructor does, and does not wait for it.
+  /// Starts stopping without waiting; the destructor waits.
   void ask_to_stop() { thread_.request_stop(); }
 
-  /// Of a camera that was looked at; the state is off for all others.
+  /// State of a camera; LightFollowing::kOff if its table does not follow the light.
   Status status(int camera_id) const;
-  /// Back to the accepted table, until following is switched off and on again; soon after, for other threads.
-  /// When it returns, no adapted table is put any more.
+  /// Returns to the accepted table until following is switched off and on again: thread_ does this soon after
+  /// the call. Once the call returns, no adapted table is applied any more.
   void take_back(int camera_id);
 
  private:
   struct Followed {
     explicit Followed(std::shared_ptr<const Lut> accepted) : follower(std::move(accepted)) {}
     LightFollower follower;
-    std::uint64_t version = 0;  // of the frame that was looked at last
-    /// The newest, kept until cameras have surely let go of them: to free megabytes costs a frame's time.
+    std::uint64_t version = 0;  // version of the last frame observed
+    /// The newest tables, kept until the cameras have certainly released them: otherwise a camera's thread
+    /// might have to free megabytes, which takes as long as a frame.
     std::deque<std::shared_ptr<const Lut>> tables;
   };
   void serve(const std::stop_token& ending);
@@ -76,13 +77,13 @@ class FollowLight {
 
   const Hooks hooks_;
   const std::chrono::milliseconds between_looks_;
-  std::map<int, Followed> followed_;  // by camera id; its own thread's
-  std::mutex putting_;                // while a table is put; taken before mutex_
-  mutable std::mutex mutex_;          // guards what follows
+  std::map<int, Followed> followed_;  // by camera id; used only by thread_
+  std::mutex putting_;                // held while a table is applied; locked before mutex_
+  mutable std::mutex mutex_;          // guards the members below
   std::condition_variable_any ordered_;
   std::set<int> to_take_back_;
   std::map<int, Status> statuses_;
-  std::jthread thread_;  // last: it uses all the others
+  std::jthread thread_;  // last: the thread uses all members above
 };
 
 }  // namespace sslv

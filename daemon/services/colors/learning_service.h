@@ -12,7 +12,7 @@
 
 namespace sslv {
 
-/// Learns colours from frames: started, looked at, accepted or not.
+/// Learns colours from frames, shows the result, and accepts or rejects it.
 class LearningService final : public Service, public CameraObserver {
  public:
   /// All must outlive this.
@@ -22,12 +22,12 @@ class LearningService final : public Service, public CameraObserver {
   void cameras_changed(const std::set<int>& camera_ids) noexcept override;
   std::vector<Route> routes() override;
 
-  /// What waits to be accepted for this camera; null: nothing does.
+  /// The camera's learnt table that is not accepted yet; null: there is none.
   std::shared_ptr<const Lut> learnt_table(int camera_id) const;
 
  private:
   Json state_json(int camera_id) const;
-  /// Of a finished job. Throws HttpError 409.
+  /// Report of a finished job. Throws HttpError 409 when there is none.
   std::shared_ptr<const LearningReport> report_of(int camera_id) const;
   Response start(const Request& request);
   Response cancel(const Request& request);
@@ -39,7 +39,7 @@ class LearningService final : public Service, public CameraObserver {
   Pictures& pictures_;
   ColorTables& tables_;
   ColorService& colors_;
-  ColorLearning jobs_;  // last: it asks the others
+  ColorLearning jobs_;  // last: its threads use the members above
 };
 
 }  // namespace sslv

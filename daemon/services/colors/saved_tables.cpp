@@ -39,12 +39,12 @@ std::span<const std::uint8_t> bytes_in_text(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-/// What a table's file is called, by what is in it.
+/// The name of a table, from the content of its file.
 std::string table_name_of(std::string_view bytes) {
   return sha256_of(bytes).substr(0, kNameLength);
 }
 
-/// Nothing else may become a part of a path.
+/// Whether it is a table's name. Only then may it become a part of a path.
 bool is_name(std::string_view name) {
   return name.size() == kNameLength && name.find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
@@ -53,7 +53,7 @@ std::string file_name_of(const std::string& name) {
   return fmt::format("{}{}{}", kTableFolder, name, kTableExtension);
 }
 
-/// Of a file in a backup; empty for what is no table's.
+/// The name of the table in a backup's file; empty if the file is not a table.
 std::string table_name_in(std::string_view file_name) {
   if (!file_name.starts_with(kTableFolder) || !file_name.ends_with(kTableExtension)) return "";
   file_name.remove_prefix(kTableFolder.size());
@@ -61,7 +61,7 @@ std::string table_name_in(std::string_view file_name) {
   return is_name(file_name) ? std::string(file_name) : "";
 }
 
-/// A label may have been taken out of the settings since. Throws SettingsError.
+/// Throws SettingsError if the table has cells of a label that was removed from the settings.
 void check_labels(const Lut& lut, const std::string& path, const LabelSet& labels) {
   std::array<bool, 256> occurs{};
   for (const Label label : lut.yuv().labels) occurs[label] = true;
@@ -97,7 +97,7 @@ std::string SavedTables::save(const std::shared_ptr<const Lut>& lut, const Label
   std::string name = table_name_of(chars_of(bytes));
   const std::lock_guard lock(mutex_);
   if (std::error_code error; bytes_of(file_of(name)) == bytes) {
-    // As if it were new: it is not to be tidied away soon.
+    // Renew the file's time, so that tidy() does not remove the file soon.
     std::filesystem::last_write_time(file_of(name), std::filesystem::file_time_type::clock::now(), error);
   } else {
     state_.write(file_of(name), std::string(bytes.begin(), bytes.end()));
@@ -126,7 +126,7 @@ std::string SavedTables::lost(const std::string& name) const {
   return found == lost_.end() ? "" : found->second;
 }
 
-/// With the lock held.
+/// The mutex must be held.
 std::shared_ptr<const Lut> SavedTables::load_now(const std::string& name, const std::string& path,
                                                  const LabelSet& labels) const {
   if (offered_ != nullptr) {
@@ -188,13 +188,13 @@ BackupFiles SavedTables::files(const Config& config) const {
     if (entry.path().extension() == kTableExtension && is_name(name))
       names.emplace_back(needed.contains(name), entry.last_write_time(error), name);
   }
-  std::sort(names.rbegin(), names.rend());  // those that are needed first, then the newest
+  std::sort(names.rbegin(), names.rend());  // needed tables first, then the newest
   BackupFiles out;
   std::size_t size = 0;
   for (const auto& [is_needed, time, name] : names) {
     const auto bytes = bytes_of(file_of(name));
     size += bytes.size();
-    // What a damaged file holds helps nobody.
+    // Skip damaged files, and tables beyond the size limit that are not needed.
     if (table_name_of(chars_of(bytes)) != name || (size > kMaxTableBytesInBackup && !is_needed)) continue;
     out.emplace(file_name_of(name), chars_of(bytes));
   }
@@ -205,7 +205,8 @@ bool SavedTables::has(const std::string& name) const {
   return !table_name_in(name).empty();
 }
 
-/// Tables of a backup. The settings' transaction reads every cell of those that settings use.
+/// Tables of a backup. The settings' transaction decodes the tables that the settings use, which reads every
+/// cell.
 class SavedTables::Offered final : public SavedWith {
  public:
   Offered(SavedTables& tables, BackupFiles files) : tables_(tables), files_(std::move(files)) {
@@ -251,7 +252,7 @@ class SavedTables::Offered final : public SavedWith {
  private:
   SavedTables& tables_;
   const BackupFiles files_;
-  std::vector<std::pair<std::string, std::optional<std::string>>> replaced_;  // by name: what was there
+  std::vector<std::pair<std::string, std::optional<std::string>>> replaced_;  // name, previous content
 };
 
 std::unique_ptr<SavedWith> SavedTables::prepare(BackupFiles files) {

@@ -17,21 +17,22 @@ namespace sslv {
 
 class StateFolder;
 
-/// Colour tables that were edited, learnt or imported: each a file tables/*.lut of the state folder, named
+/// Colour tables that were edited, learnt or imported. Each is a file tables/*.lut in the state folder, named
 /// after its content, so that a name always means the same table. The settings, their history and profiles
-/// keep names. May be used from any thread.
+/// store names. Thread-safe.
 class SavedTables : public BackupPart {
  public:
-  /// Beyond that the oldest that nobody uses go.
+  /// Maximum number of unused tables that tidy() keeps; it removes the oldest.
   static constexpr std::size_t kMax = 200;
 
   explicit SavedTables(StateFolder& folder);
 
-  /// Its name; on disk when it returns, and whole where a damaged file was. Throws StorageError.
+  /// Returns the table's name. The file is on disk when this returns; a damaged file is rewritten. Throws
+  /// StorageError.
   std::string save(const std::shared_ptr<const Lut>& lut, const LabelSet& labels);
 
-  /// Throws SettingsError, beginning with `path`, when there is no such table or its file cannot be used. Up
-  /// to end_start() it returns null instead: a service that starts reports what it has lost, see lost().
+  /// Throws SettingsError, beginning with `path`, when there is no such table or its file cannot be used.
+  /// Before end_start() it returns null instead, and lost() gives the reason.
   std::shared_ptr<const Lut> load(const std::string& name, const std::string& path,
                                   const LabelSet& labels) const;
 
@@ -39,11 +40,11 @@ class SavedTables : public BackupPart {
   /// Why a table could not be used at start; empty when it could.
   std::string lost(const std::string& name) const;
 
-  /// Removes old ones, but none of these.
+  /// Keeps the tables in `used` and the kMax newest other tables; removes the rest.
   void tidy(const std::set<std::string>& used);
 
-  // BackupPart: all that lie there, also those that only the history and profiles name; of very many, the
-  // settings' own and the newest.
+  // BackupPart: all saved tables, including tables that only the history and profiles name. If all together
+  // are too large, only the tables of the settings and the newest other tables.
   BackupFiles files(const Config& config) const override;
   bool has(const std::string& name) const override;
   std::unique_ptr<SavedWith> prepare(BackupFiles files) override;
@@ -59,10 +60,10 @@ class SavedTables : public BackupPart {
 
   StateFolder& state_;
   const std::filesystem::path folder_;
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards the members below
   mutable std::map<std::string, std::weak_ptr<const Lut>> in_memory_;
-  mutable std::map<std::string, std::string> lost_;  // by name: why
-  const BackupFiles* offered_ = nullptr;             // of a backup that is being restored
+  mutable std::map<std::string, std::string> lost_;  // table name -> reason
+  const BackupFiles* offered_ = nullptr;             // files of a backup being restored; null: none
   std::atomic<bool> is_start_ = true;
 };
 

@@ -8,7 +8,8 @@ namespace {
 
 constexpr double kMinute_s = 60, kUnknown_s = 600, kKept_s = 7200;
 
-/// What a mean that now grew past the limit was before it began to grow; nothing where that was too much.
+/// Returns the difference about two minutes ago, or the oldest known one if that is newer: the difference
+/// before it grew above kDriftMm. Nothing if it is unknown or was above kDriftMm already.
 std::optional<double> before(const AgreementHistory::Pair& pair, double now_s) {
   constexpr double kGrows_s = 120;
   const AgreementHistory::Minute* out = nullptr;
@@ -24,7 +25,7 @@ std::optional<double> before(const AgreementHistory::Pair& pair, double now_s) {
 void AgreementHistory::add(const std::vector<CameraPairNow>& pairs, double now_s) {
   for (const CameraPairNow& now : pairs) {
     Pair& pair = pairs_[std::minmax(now.camera, now.other)];
-    // Where the clock was set back, it begins again.
+    // Start over if the clock was set back.
     if (now_s < pair.t_s) pair = {};
     if (!pair.since_s && now.off_mm > kDriftMm) {
       pair.since_s = now_s;
@@ -39,7 +40,7 @@ void AgreementHistory::add(const std::vector<CameraPairNow>& pairs, double now_s
   }
   for (auto& [cameras, pair] : pairs_) {
     while (!pair.minutes.empty() && now_s - pair.minutes.front().t_s > kKept_s) pair.minutes.pop_front();
-    // Nobody knows any more; they may have been calibrated since.
+    // Too old: the cameras may have been calibrated since.
     if (now_s - pair.t_s > kUnknown_s) pair.since_s.reset();
   }
   std::erase_if(pairs_, [&](const auto& one) { return now_s - one.second.t_s > kKept_s; });

@@ -13,11 +13,12 @@
 
 namespace sslv {
 
-/// Calibrations are good to a millimetre or two; farther apart, one of the cameras is no longer where it was.
-/// Near the limit an alert would come and go.
+/// Calibrations are accurate to 1 to 2 mm. Above kDriftMm, one of the two cameras has moved. The alert stays
+/// until the difference is below kAgreeMm, so that it does not come and go near the limit.
 constexpr double kDriftMm = 5, kAgreeMm = 4;
 
-/// How the agreement of each two cameras went: a value for each minute, and since when they differ too much.
+/// History of the agreement of each pair of cameras: their difference once a minute, and the time since which
+/// it is too large.
 class AgreementHistory {
  public:
   struct Minute {
@@ -26,20 +27,20 @@ class AgreementHistory {
   };
   struct Pair {
     std::deque<Minute> minutes;
-    double t_s = 0, off_mm = 0;       // the newest
-    std::optional<double> since_s;    // they differ too much: from more than kDriftMm to less than kAgreeMm
-    std::optional<double> before_mm;  // what it was before that, where they agreed
+    double t_s = 0, off_mm = 0;       // time and value of the newest difference
+    std::optional<double> since_s;    // when off_mm rose above kDriftMm; none once it is below kAgreeMm
+    std::optional<double> before_mm;  // off_mm before since_s, while the cameras agreed
   };
 
-  /// To be called about once a second, with what was measured just now.
+  /// Call this about once a second, with the current pairs.
   void add(const std::vector<CameraPairNow>& pairs, double now_s);
-  /// Null for two that were never compared. Whichever comes first.
+  /// History of two cameras, in any order; null if they were never compared.
   const Pair* of(int camera, int other) const;
-  /// The array `trends` of docs/openapi.json's FieldAgreement.
+  /// The array `trends` of FieldAgreement in docs/openapi.json.
   Json to_json() const;
 
  private:
-  std::map<std::pair<int, int>, Pair> pairs_;  // the smaller number first
+  std::map<std::pair<int, int>, Pair> pairs_;  // the smaller id first
 };
 
 }  // namespace sslv

@@ -9,7 +9,8 @@
 namespace sslv {
 namespace {
 
-/// Robots come to a part of the field again and again; a camera may have been moved since.
+/// Older differences are dropped, because a camera may have moved since. Robots visit each part of the field
+/// more often.
 constexpr double kForgotten_s = 600;
 
 constexpr float kMinSamples = 30;  // in a part of the field
@@ -63,7 +64,7 @@ std::vector<CameraPairNow> pairs_of(const AgreementNow& agreement) {
     return static_cast<double>(std::hypot(one->off_x_mm, one->off_y_mm));
   };
   std::vector<CameraPairNow> out;
-  std::map<int, double> worst_of;  // by camera
+  std::map<int, double> worst_of;  // by camera: sum over its pairs
   for (auto& [cameras, places] : parts) {
     if (places.size() < kMinParts) continue;
     std::sort(places.begin(), places.end(),
@@ -77,7 +78,7 @@ std::vector<CameraPairNow> pairs_of(const AgreementNow& agreement) {
     worst_of[cameras.first] += out.back().off_mm;
     worst_of[cameras.second] += out.back().off_mm;
   }
-  // First the one that others differ from, too.
+  // Name first the camera that also differs more from further cameras.
   for (CameraPairNow& pair : out) {
     if (worst_of[pair.other] > worst_of[pair.camera]) std::swap(pair.camera, pair.other);
   }

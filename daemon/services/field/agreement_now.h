@@ -16,12 +16,12 @@
 
 namespace sslv {
 
-/// What cameras do not agree on, in one piece of memory.
+/// Disagreement of the cameras, in one block of memory that can be copied as bytes.
 struct AgreementNow {
   struct Camera {
     int id;
     double time_offset_s;
-    double error_mm;  // that is taken off what it sees: rms over the places that it shares with others
+    double error_mm;  // RMS of its positions' corrections over the places it shares with other cameras
   };
   struct Height {
     int team, id;
@@ -42,25 +42,26 @@ struct AgreementNow {
   std::array<Difference, kMaxDifferences> differences{};
 };
 
-/// As JSON has it; nobody reads more.
+/// Precision of the JSON.
 inline double to_hundredths(double value) {
   return std::round(value * 100) / 100;
 }
 
-/// What was seen long ago is forgotten.
+/// Writes the current state of `agreement` to `out`. Also makes `agreement` forget old differences.
 void write_now(CameraAgreement& agreement, double now_s, AgreementNow& out) noexcept;
 
-/// What two cameras differ by, where both see robots.
+/// Difference of two cameras where both see robots.
 struct CameraPairNow {
   int camera, other;
   double off_mm;             // median over the parts of the field
-  std::size_t parts;         // so many
-  Eigen::Vector2d worst_mm;  // the middle of the one where they differ most
+  std::size_t parts;         // number of parts that were compared
+  Eigen::Vector2d worst_mm;  // centre of the part in which the cameras differ most
 };
-/// Of each two that share enough of the field.
+/// Returns the pairs of cameras that share enough of the field. In each pair, `camera` differs more than
+/// `other` from all cameras together.
 std::vector<CameraPairNow> pairs_of(const AgreementNow& agreement);
 
-/// As docs/openapi.json's FieldAgreement, without what was before.
+/// FieldAgreement in docs/openapi.json, without `trends`.
 Json to_json(const AgreementNow& now);
 
 }  // namespace sslv

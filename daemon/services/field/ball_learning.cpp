@@ -15,7 +15,8 @@ namespace {
 
 constexpr double kMmPerMeter = 1000;
 
-/// A number of the settings' ball_models, what play says of it, and its factor there.
+/// A number in the settings' ball_models: its key, its learnt value, and the factor that converts the learnt
+/// value to the unit of the settings.
 struct Number {
   const char* key;
   LearntBallModel::Value LearntBallModel::*learnt;
@@ -28,7 +29,7 @@ constexpr std::array<Number, 6> kNumbers{{{"acc_slide", &LearntBallModel::slides
                                           {"damping_xy_other_hops", &LearntBallModel::later_hops_xy, 1},
                                           {"damping_z", &LearntBallModel::hops_z, 1}}};
 
-/// As many digits as its uncertainty allows.
+/// Rounds `value` to the second significant digit of its uncertainty `sigma`.
 double rounded(double value, double sigma) {
   const double step = std::pow(10, std::floor(std::log10(std::max(1e-6, sigma))) - 1);
   return std::round(value / step) * step;

@@ -14,23 +14,23 @@
 
 namespace sslv {
 
-/// The ball's model as play tells it, offered to the admin. The field's thread hands kicks over; all else is
-/// for other threads.
+/// Learns the ball's model from play and offers it to the admin. The field's thread calls hand_over() only;
+/// other threads call the rest.
 class BallLearning {
  public:
   BallLearning();
 
-  /// For the field's thread; never waits. One that finds no room is not learnt from.
+  /// For the field's thread; never waits. Drops the kick if the queue is full.
   void hand_over(const WatchedKick& kick) noexcept;
 
-  /// Learns from what was handed over. `model`: in effect.
+  /// Learns from the kicks handed over. `model`: the current ball model.
   void learn(const BallModel& model);
 
-  /// As docs/openapi.json's BallLearning; `now`: of the settings.
+  /// BallLearning in docs/openapi.json. `now`: models in the settings.
   Json to_json(const std::optional<BallModels>& now) const;
 
-  /// Sets what is known in the settings. Throws HttpError 409 when nothing is, and as SettingsEditor::patch()
-  /// does.
+  /// Writes the known values to the settings. Throws HttpError 409 if nothing is known, and the exceptions of
+  /// SettingsEditor::patch().
   void accept(SettingsEditor& settings, const std::string& who) const;
 
  private:

@@ -29,7 +29,7 @@ void write_now(const TrackedField& tracked, FieldNow& out) noexcept {
                     ball.velocity_mm_s.y(), ball.velocity_mm_s.z(), ball.visibility};
   }
   if (!tracked.kick || tracked.kick->number <= 0) {
-    out.kicks = {};  // another tracker, which has seen none yet
+    out.kicks = {};  // a new tracker, without kicks so far
     return;
   }
   const TrackedKick& kick = *tracked.kick;

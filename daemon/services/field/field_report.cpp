@@ -9,12 +9,12 @@
 namespace sslv {
 namespace {
 
-/// What was left out so long ago is over.
+/// An image dropped longer ago is not reported.
 constexpr double kLately_s = 10;
-/// The verdict says what is too far to play (verdict_report.cpp).
+/// The verdict reports larger differences (verdict_report.cpp).
 constexpr double kDisagreeMm = 25;
 
-/// When it began the alert's own time says.
+/// Names the difference before the change; "" if it is unknown. The alert itself has the time of the change.
 std::string before_text(const FieldFacts& facts, const CameraPairNow& pair) {
   const auto* history = facts.history ? facts.history->of(pair.camera, pair.other) : nullptr;
   if (!history || !history->since_s || !history->before_mm) return "";
@@ -86,10 +86,10 @@ void report_field(const FieldFacts& facts, HealthReport& report) {
   }
   report.add_as_one(std::move(twice));
   const LeftOut& left_out = facts.left_out;
-  // Of a clock that was set back, nobody knows how long ago it was.
+  // Negative after the clock was set back: then the age is unknown.
   const double ago_s = facts.now_s - left_out.t_s;
   if (left_out.camera < 0 || !(ago_s >= 0 && ago_s <= kLately_s)) return;
-  // Single ones come late on a busy computer, or were in the works when the clock was set.
+  // Single images are late on a busy computer, or were being processed when the clock was set.
   constexpr std::uint64_t kOffTime = 5;
   if (left_out.why == LeftOut::Why::kTime) {
     if (facts.images_off_time_lately < kOffTime) return;

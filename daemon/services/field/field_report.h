@@ -20,20 +20,20 @@
 
 namespace sslv {
 
-/// What the field's alerts are made of.
+/// Input of report_field().
 struct FieldFacts {
   std::shared_ptr<const Config> config;
   AgreementNow agreement;
-  const AgreementHistory* history = nullptr;  // null: nothing is known of the time before
+  const AgreementHistory* history = nullptr;  // null: no history
   LeftOut left_out;
   std::uint64_t images_off_time_lately = 0;  // in the last ten seconds
   double now_s = 0;                          // Unix time
-  std::string sending_error;                 // why tracks do not leave; empty: they do, or are not to
-  bool some_leave = false;                   // as MulticastStatus says
+  std::string sending_error;  // why tracks cannot be sent; empty: they are sent, or sending is off
+  bool some_leave = false;    // see MulticastStatus
   std::vector<HeardCameras::Conflict> conflicts;
-  StackFacts stack{};          // of the field
-  std::optional<Hang> hang{};  // of its thread
-  std::int64_t now_ns = 0;     // of steady_ns()
+  StackFacts stack{};          // the field's stack
+  std::optional<Hang> hang{};  // hang of the field's thread
+  std::int64_t now_ns = 0;     // time of steady_ns()
 };
 
 void report_field(const FieldFacts& facts, HealthReport& report);

@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::size_t kMaxKicks = 100;
 
-/// By which the game controller knows this source again. It is no part of backups: a spare computer is
+/// By this uuid the game controller recognises the source. It is not part of backups: a spare computer is
 /// another source.
 std::string stable_uuid(StateFolder& folder) {
   const std::filesystem::path file = folder.path() / "tracker-uuid";
@@ -41,7 +41,7 @@ std::string stable_uuid(StateFolder& folder) {
   return uuid;
 }
 
-/// Tracks leave by the card that detections leave by.
+/// Tracks use the network card of the detections.
 MulticastSettings multicast_of(const NetworkSettings& network) {
   MulticastSettings out = network.vision;
   out.group = network.tracker.group;
@@ -56,8 +56,8 @@ std::set<int> ids_of(const Config& config) {
   return ids;
 }
 
-/// Tracks are made with every image. When no image comes, or no stage tracks, what was tracked last is not
-/// seen any more, and soon it is not known either.
+/// Tracks are made with every image. If no image arrives or no stage tracks, the visibility of the last
+/// tracks drops to 0, and then they are removed.
 void fade(TrackedField& tracked, double age_s) {
   constexpr double kFresh_s = 0.2, kGone_s = 0.7;
   const double share = 1 - std::clamp((age_s - kFresh_s) / (kGone_s - kFresh_s), 0.0, 1.0);
@@ -100,7 +100,7 @@ Plan FieldService::plan(const SettingsChange& change) const {
   const auto config = std::make_shared<const Config>(change.next);
   return {.get_ready =
               [this, setup, config] {
-                // What stages have learnt goes on as long as they do.
+                // While the stack is unchanged, keep the pipeline with the state that its stages have learnt.
                 *setup = make_setup(*config, running_.setup()->pipeline);
               },
           .apply =
@@ -127,7 +127,7 @@ void FieldService::each_second() {
   look_at_stages();
   {
     const AgreementNow agreement = running_.agreement();
-    // Written as long as images come.
+    // The agreement is updated only while images arrive.
     constexpr double kFresh_s = 5;
     const double now_s = unix_time_s();
     const bool is_fresh = std::abs(now_s - agreement.t_s) < kFresh_s;
@@ -191,11 +191,11 @@ void FieldService::take_kicks() {
   const std::lock_guard lock(kicks_mutex_);
   for (const TrackedKick& kick : newest) {
     const auto known = std::find_if(kicks_.begin(), kicks_.end(), [&](const TrackedKick& one) {
-      // Another stack, or a clock that was set, counts from 1 again.
+      // Numbers restart at 1 with another stack, or after the clock was set.
       return one.number == kick.number && std::abs(one.t_s - kick.t_s) < 1;
     });
     if (known != kicks_.end()) {
-      *known = kick;  // known better by now
+      *known = kick;  // a better estimate
     } else {
       kicks_.push_back(kick);
     }
@@ -319,12 +319,12 @@ void FieldService::write_metrics(MetricsText& out) const {
     out.add({{"stage", field_stage_table()[i].name}}, running_.stage_totals()[i].read());
   out.begin("sslv_field_senseless_total", "counter",
             "What a stage of the field's stack made that made no sense, and that was left out.");
-  for (std::size_t i = 0; i < running_.senseless().size(); ++i) {
+  for (std::size_t i = 0; i < running_.invalid().size(); ++i) {
     const std::string& stage = field_stage_table()[i].name;
-    const Senseless senseless = running_.senseless()[i].read();
-    out.add({{"stage", stage}, {"what", "robot"}}, senseless.robots);
-    out.add({{"stage", stage}, {"what", "ball"}}, senseless.balls);
-    out.add({{"stage", stage}, {"what", "time_or_kick"}}, senseless.others);
+    const InvalidCounts invalid = running_.invalid()[i].read();
+    out.add({{"stage", stage}, {"what", "robot"}}, invalid.robots);
+    out.add({{"stage", stage}, {"what", "ball"}}, invalid.balls);
+    out.add({{"stage", stage}, {"what", "time_or_kick"}}, invalid.others);
   }
   out.begin("sslv_tracker_packets_sent_total", "counter", "Packets of tracks sent.");
   out.add({}, sender_.status().packets_sent);

@@ -25,17 +25,18 @@
 
 namespace sslv {
 
-/// Makes one field of what all cameras see, this computer's and others'; sends tracks, and tells viewers.
+/// Tracks robots and balls from the detections of all cameras of this computer and of others of the field,
+/// and sends the tracks to the network and to viewers.
 class FieldService final : public Service, public Topic {
  public:
-  /// All must outlive this. `config`: in effect.
+  /// All must outlive this. `config`: the current settings.
   FieldService(const Snapshot<Config>& config, FieldIntake& intake, SettingsEditor& settings,
                StateFolder& folder);
 
-  /// What another computer's vision says, and whether the settings name that computer, at a monotonic time.
-  /// From the thread that listens.
+  /// Processes a message of another computer's vision, received at monotonic time `now_s`. `is_named`: the
+  /// settings name that computer. Called by the listening thread.
   void hear(const VisionMessage& message, const std::string& address, bool is_named, double now_s);
-  /// Whether tracks leave from there. From any thread.
+  /// Whether this is the sender of our own tracks. Thread-safe.
   bool is_own(const boost::asio::ip::udp::endpoint& sender) const { return sender_.is_own(sender); }
 
   // Topic
@@ -53,7 +54,7 @@ class FieldService final : public Service, public Topic {
   void each_second() override;
 
  private:
-  /// `before`: goes on where its stack is the same.
+  /// `before`: the current pipeline, reused if its stack is the same.
   FieldSetup make_setup(const Config& config, std::shared_ptr<FieldPipeline> before = nullptr) const;
   Json field_json();
   Json kicks_json();
@@ -70,23 +71,23 @@ class FieldService final : public Service, public Topic {
   const std::string uuid_;
   MulticastSender sender_;
   const std::shared_ptr<SightingsQueue> heard_queue_;
-  mutable std::mutex heard_mutex_;  // guards the next two; never taken by a camera's thread or the field's
+  mutable std::mutex heard_mutex_;  // guards the next two; never taken by a camera's or the field's thread
   HeardCameras heard_cameras_;
   ArrivedSightings heard_;
   mutable std::mutex history_mutex_;
   AgreementHistory history_;
   mutable std::mutex stages_mutex_;  // guards the next two
   StageWatch stage_watch_;
-  struct Load {  // since the start, up to a look
+  struct Load {  // totals since the start, at steady_s
     std::uint64_t frames, lost, images_off_time;
     double steady_s;
   };
   std::deque<Load> loads_;  // the newest last
   std::mutex kicks_mutex_;
   std::deque<TrackedKick> kicks_;  // the newest last
-  bool was_hanging_ = false;       // of the thread that looks once a second
+  bool was_hanging_ = false;       // used by the thread of each_second() only
   BallLearning ball_;
-  RunningField running_;  // last: its thread uses the others
+  RunningField running_;  // last: its thread uses the members above
 };
 
 }  // namespace sslv

@@ -10,7 +10,7 @@
 namespace sslv {
 namespace {
 
-/// Less than threads that only serve viewers yield: teams wait for tracks.
+/// Nice value, lower than for threads that only serve viewers, because teams wait for tracks.
 constexpr int kNice = 5;
 constexpr double kAgreementEvery_s = 1;
 
@@ -22,7 +22,7 @@ RunningField::RunningField(FieldIntake& intake, MulticastSender& out, BallLearni
       ball_(ball),
       setup_(std::move(setup)),
       stage_totals_(field_stage_table().size()),
-      senseless_(field_stage_table().size()),
+      invalid_(field_stage_table().size()),
       thread_([this](const std::stop_token& ending) {
         become_background_thread("field", kNice);
         run(ending);

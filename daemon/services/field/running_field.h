@@ -26,17 +26,17 @@
 
 namespace sslv {
 
-/// What the field's frames are processed with, swapped as a whole between two of them.
+/// Stages and settings that process the field's frames; replaced as a whole between two frames.
 struct FieldSetup {
   std::shared_ptr<FieldPipeline> pipeline;
   FieldPipeline::Parameters parameters;
   FieldSize field;
   BallModel ball;
   TrackerSource source;
-  bool sends = false;  // tracks to the network
+  bool sends = false;  // tracks are sent to the network
 };
 
-/// The sum of a count that begins again at 0 now and then. One thread adds, any reads.
+/// Total of a counter that restarts at 0 now and then. One thread adds, any thread reads.
 class CountOverRestarts {
  public:
   void add(std::uint64_t count) noexcept {
@@ -50,14 +50,14 @@ class CountOverRestarts {
   std::atomic<std::uint64_t> total_{0};
 };
 
-/// The field's stack in a thread of its own, which yields to the cameras' threads and waits for nothing but
-/// what they hand over. The rest may be called from any thread.
+/// Runs the field's stack in a thread of its own, which yields to the cameras' threads and only waits for
+/// their detections. Public functions may be called from any thread.
 class RunningField final : private FieldSink, private FieldClock {
  public:
   /// All must outlive this.
   RunningField(FieldIntake& intake, MulticastSender& out, BallLearning& ball, FieldSetup setup);
   ~RunningField() override { ask_to_stop(); }
-  /// Begins what the destructor does, and does not wait for it.
+  /// Starts stopping without waiting; the destructor waits.
   void ask_to_stop();
 
   /// Takes effect with the next image.
@@ -67,18 +67,18 @@ class RunningField final : private FieldSink, private FieldClock {
   FieldNow now() const { return now_.load(); }
   AgreementNow agreement() const { return agreement_.load(); }
   LeftOut left_out() const { return left_out_.load(); }
-  /// Images of all cameras.
+  /// Number of images, over all cameras.
   std::uint64_t frames() const { return frames_.load(std::memory_order_relaxed); }
-  /// Filters that were not finite and were reset; likewise.
+  /// Number of filters that were not finite and were reset, since the start.
   std::uint64_t repaired() const { return repaired_.total(); }
-  /// From when a camera handed over what it saw to when tracks are on the socket.
+  /// Time from a camera's handover until the tracks are on the socket.
   const RecentDurations& latency() const { return latency_; }
   const DurationTotals& latency_total() const { return latency_total_; }
-  /// By the table of the field's stages.
+  /// Indexed like the table of the field's stages.
   const std::vector<DurationTotals>& stage_totals() const { return stage_totals_; }
-  /// Likewise: what stages made that made no sense.
-  const std::vector<SenselessTotals>& senseless() const { return senseless_; }
-  /// Which stage the thread is in.
+  /// Dropped results of the stages, indexed like stage_totals().
+  const std::vector<InvalidTotals>& invalid() const { return invalid_; }
+  /// The stage that the thread is in.
   std::optional<StageMark::Reading> stage_now() const { return mark_.read(); }
 
  private:
@@ -91,7 +91,7 @@ class RunningField final : private FieldSink, private FieldClock {
     mark_.end();
     stage_totals_[stage].add_ns(duration_ns);
   }
-  void left_out(std::size_t stage, const Senseless& what) noexcept override { senseless_[stage].add(what); }
+  void left_out(std::size_t stage, const InvalidCounts& what) noexcept override { invalid_[stage].add(what); }
 
   void run(const std::stop_token& ending);
   void process(const ArrivedSightings& arrived) noexcept;
@@ -101,16 +101,16 @@ class RunningField final : private FieldSink, private FieldClock {
   BallLearning& ball_;
   Handover<FieldSetup> setup_;
   std::atomic<std::uint64_t> frames_{0};
-  CountOverRestarts repaired_;  // the tracks' begins again with a new stack, and where the clock is set back
+  CountOverRestarts repaired_;  // the tracks' count restarts with a new stack, and if the clock is set back
   RecentDurations latency_;
   DurationTotals latency_total_;
   std::vector<DurationTotals> stage_totals_;
-  std::vector<SenselessTotals> senseless_;
+  std::vector<InvalidTotals> invalid_;
   StageMark mark_;
   Seqlock<FieldNow> now_;
   Seqlock<AgreementNow> agreement_;
   Seqlock<LeftOut> left_out_;
-  // Of the thread alone.
+  // Used by the thread only.
   FieldFrame frame_;
   KickWatch kick_watch_;
   const FieldSetup* in_use_ = nullptr;
@@ -119,7 +119,7 @@ class RunningField final : private FieldSink, private FieldClock {
   double agreement_due_s_ = 0;
   TrackerWrapperPacket packet_;
   std::vector<std::byte> buffer_;
-  std::jthread thread_;  // last: it uses all the others
+  std::jthread thread_;  // last: the thread uses all members above
 };
 
 }  // namespace sslv

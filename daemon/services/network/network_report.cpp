@@ -16,7 +16,7 @@ std::string joined(const std::vector<std::string>& texts) {
   return fmt::format("{}", fmt::join(texts, ", "));
 }
 
-/// What a second vision does to the teams, which cannot tell whose packets they get.
+/// Adds alerts about other visions, because teams cannot tell which vision a packet comes from.
 void add_vision_alerts(HealthReport& report, const NetworkFacts& facts) {
   std::vector<Alert> same_camera, other_field, unnamed;
   for (const OtherVision& other : facts.other_visions) {
@@ -100,7 +100,7 @@ void add_network_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
                       .title = title_not_sent("packets", facts.multicast.some_leave),
                       .fix = facts.multicast.error + "; the service tries again automatically.",
                       .page = "#/settings/network/vision"});
-    return;  // that says what to do about those below too
+    return;  // this alert's fix covers the problems below too
   }
   if (const std::string& card = facts.cards.without_link; !card.empty()) {
     alerts.push_back(
@@ -222,7 +222,7 @@ Json game_controller_json(const GameController& one) {
   return {{"source", one.source}, {"address", one.address}};
 }
 
-/// By the game controller's numbers.
+/// Names of the stages, indexed by the game controller's stage numbers.
 constexpr std::array kStages{"first_half_before",
                              "first_half",
                              "half_time",

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Alerts and checks of what is sent and heard.
+// Alerts and checks of the packets that are sent and received.
 
 #include "config/config.h"
 #include "net/multicast.h"
@@ -17,32 +17,32 @@
 
 namespace sslv {
 
-/// What is wrong with the network card that packets leave by; names of cards, empty: nothing.
+/// Problems with the network card through which packets leave. Names of cards; empty: no problem.
 struct CardsUsed {
-  std::string unused;        // one that other computers may be on, while packets go to this computer only
-  std::string without_link;  // the one that packets go to, with its cable pulled out
+  std::string unused;        // a card with a link, although packets reach only this computer
+  std::string without_link;  // the card that sends the packets, if its cable is unplugged
 };
 
-/// What is known of the network, read once, so that alerts, checks and figures agree.
+/// Facts about the network, read once so that alerts, checks and figures agree.
 struct NetworkFacts {
   std::shared_ptr<const Config> config;
   MulticastStatus multicast;
-  std::shared_ptr<const Geometry> geometry;  // what is sent
+  std::shared_ptr<const Geometry> geometry;  // geometry that is sent
   std::vector<OtherVision> other_visions;
-  bool another_host_sends = false;  // one of them is on another computer that the settings name
+  bool another_host_sends = false;  // one of other_visions is on another computer that the settings name
   CardsUsed cards{};
-  std::string listening_error;        // why the vision group cannot be heard
-  std::uint64_t refused_packets = 0;  // that came to the vision group
+  std::string listening_error;        // why the vision group cannot be received; empty: it can
+  std::uint64_t refused_packets = 0;  // invalid packets received in the vision group
   RefereeStatus referee;
 };
 
-/// The sizes of the field that another vision tells otherwise.
+/// Returns the field sizes that differ between this service and another vision.
 std::vector<SizeConflict> field_conflicts(const NetworkFacts& facts, const OtherVision& other);
 
-/// Adds their alerts and the checks "network", "other_visions", "referee" and "teams".
+/// Adds alerts and the checks "network", "other_visions", "referee" and "teams".
 void report_network(const NetworkFacts& facts, HealthReport& report);
 
-/// docs/openapi.json's Status: "network", "referee" and "teams".
+/// "network", "referee" and "teams" of docs/openapi.json's Status.
 void add_network_status(const NetworkFacts& facts, Json& status);
 
 }  // namespace sslv

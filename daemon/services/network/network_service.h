@@ -19,19 +19,20 @@
 
 namespace sslv {
 
-/// What goes out to the teams besides detections, and what is heard on the field's network.
+/// Sends geometry to the teams, and listens on the field's network.
 class NetworkService final : public Service {
  public:
-  /// `multicast`, which detections leave by too, and `config` must outlive this.
+  /// `multicast`, which also sends the detections, and `config` must outlive this.
   NetworkService(const Snapshot<Config>& config, MulticastSender& multicast);
 
   const RefereeListener& referee() const { return referee_; }
-  /// Called from the referee's thread whenever a team has another name. To be set before the first change of
-  /// settings is applied.
+  /// `act` is called from the referee's thread whenever a team's name changes. Set it before the first change
+  /// of settings is applied.
   void on_new_team_names(std::function<void()> act) { on_new_names_ = std::move(act); }
-  /// Likewise: `act` is called with what another vision says, from the thread that listens.
+  /// `act` is called from the listening thread with the messages of other visions. Set it before the first
+  /// change of settings is applied.
   void on_other_vision(OtherVisions::OnOther act) { on_other_ = std::move(act); }
-  /// Nothing is heard any more, so that nobody is told of new names.
+  /// Stops receiving, so that nobody is notified of new names.
   void stop_listening();
 
   Plan plan(const SettingsChange& change) const override;
@@ -40,9 +41,9 @@ class NetworkService final : public Service {
   void write_metrics(MetricsText& out) const override;
   void each_second() override;
 
-  /// "224.5.23.2:10006", and whether packets leave.
+  /// "224.5.23.2:10006", with a note if packets do not leave.
   std::string summary() const;
-  /// What is missing for packets to leave every way, a line for each; empty when nothing is.
+  /// One line for each problem with sending packets; empty if packets leave to all destinations.
   std::string missing() const;
 
  private:
@@ -56,11 +57,11 @@ class NetworkService final : public Service {
   std::function<void()> on_new_names_;
   OtherVisions::OnOther on_other_ = [](const VisionMessage&, const std::string&, bool, double) {};
   RefereeListener referee_;
-  GroupAddress heard_at_;       // of the thread that applies settings
+  GroupAddress heard_at_;       // used by the thread that applies settings
   HeardPackets heard_packets_;  // before other_visions_, whose thread fills it
   OtherVisions other_visions_;
   PacketTimeline packet_timeline_;
-  // As they were seen last: they ask the system for our addresses.
+  // Updated once a second, because this queries the system for the computer's addresses.
   std::atomic<bool> another_host_sends_ = false;
   Snapshot<CardsUsed> cards_used_{CardsUsed{}};
 };

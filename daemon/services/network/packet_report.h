@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What teams get, and who listens as far as this computer knows.
+// JSON of the packets that teams receive, and of the listeners that this computer knows of.
 
 #include "base/json.h"
 #include "net/heard_packets.h"
@@ -17,14 +17,14 @@ struct PacketFacts {
   MulticastSettings sent_by;
   const HeardPackets& heard;
   std::string listening_error;
-  std::vector<Arrival> vision, referee;  // who is heard, and which way
-  std::string broadcast_error;           // why broadcasts to the vision or the game controller are not
+  std::vector<Arrival> vision, referee;  // senders, and by which way their packets arrive
+  std::string broadcast_error;  // why broadcasts to the vision or the game controller are not received
 };
 
-/// docs/openapi.json's SentPackets, at a monotonic time.
+/// SentPackets of docs/openapi.json. `now_s`: monotonic.
 Json packets_json(const PacketFacts& facts, double now_s);
 
-/// docs/openapi.json's Listeners. Reads /proc and the user database.
+/// Listeners of docs/openapi.json. Reads /proc and the user database.
 Json listeners_json(const MulticastSettings& vision);
 
 }  // namespace sslv

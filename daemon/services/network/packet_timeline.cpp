@@ -8,7 +8,7 @@ namespace sslv {
 void PacketTimeline::add(double unix_time_s, std::uint64_t packets_sent) {
   const std::lock_guard lock(mutex_);
   const double passed_s = unix_time_s - last_s_;
-  // Where the clock was set in between, nobody knows how long it was.
+  // If the clock was set in between, the duration is unknown.
   constexpr double kLongest_s = 10;
   if (last_s_ > 0 && passed_s > 0 && passed_s < kLongest_s)
     seconds_.push_back({unix_time_s, static_cast<double>(packets_sent - last_sent_) / passed_s});

@@ -10,14 +10,14 @@
 
 namespace sslv {
 
-/// How many packets left in each second of the last ten minutes. May be used from any thread.
+/// Packets sent in each second of the last ten minutes. Thread-safe.
 class PacketTimeline {
  public:
   static constexpr std::size_t kSeconds = 600;
 
-  /// At the end of a second. `packets_sent`: since the service's start.
+  /// Call it at the end of each second. `packets_sent`: since the service's start.
   void add(double unix_time_s, std::uint64_t packets_sent);
-  /// The last seconds, as docs/openapi.json's PacketTimeline.
+  /// The last `seconds` seconds, as PacketTimeline of docs/openapi.json.
   Json to_json(std::size_t seconds) const;
 
  private:

@@ -13,7 +13,7 @@ TeamNow team_now(const TeamSettings& settings, const std::string& referee_name, 
     team.robot_height_mm = *height_mm;
     team.height_is_known = true;
   } else {
-    // With its name the settings have its height, too.
+    // If the settings have this team's name, they also have its height.
     team.name_is_unknown = !is_same_team(referee_name, settings.name);
   }
   return team;

@@ -8,16 +8,15 @@
 
 namespace sslv {
 
-/// A team as it plays now.
+/// A team in the current game.
 struct TeamNow {
   std::string name;
   double robot_height_mm = 0;
-  bool height_is_known = false;  // the height of this name; otherwise the one of the settings
-  bool name_is_unknown = false;  // the game controller names a team of no known height, which
-                                 // the settings do not name either
+  bool height_is_known = false;  // the height belongs to this name; otherwise it is from the settings
+  bool name_is_unknown = false;  // neither a height table nor the settings have this name
 };
 
-/// The settings and what the game controller says (empty: nothing) together; by Team, as the names.
+/// Combines the settings with the game controller's names (empty: none). Both are indexed by Team.
 std::array<TeamNow, 2> teams_now(const TeamsSettings& settings,
                                  const std::array<std::string, 2>& referee_names);
 

@@ -22,7 +22,8 @@ bool ClipCamera::write_oldest(ClipWriter& writer) {
   const ClipFrame* const held = from_.ring->oldest_held();
   if (held == nullptr) return false;
   ClipFrame frame = *held;
-  // It begins where the stages can begin as they stood.
+  // Begin with a keyframe, which has the saved state of the stages, so that a replay starts in the live
+  // state.
   bool is_good = has_begun() || !frame.memory.empty();
   auto setup = setups_.find(frame.setup);
   if (is_good && setup == setups_.end()) {
@@ -38,7 +39,7 @@ bool ClipCamera::write_oldest(ClipWriter& writer) {
     frame.info.camera_id = static_cast<std::uint32_t>(from_.camera_id);
     frame.setup = setup->second;
     writer.add(frame);
-    // What is left out on purpose is not missing.
+    // Frames that every_nth_ skips are not missing.
     const std::uint32_t step = frame.info.number - last_number_.value_or(frame.info.number - 1);
     if (step > every_nth_) note_missing(writer, (step - 1) / every_nth_);
     last_number_ = frame.info.number;

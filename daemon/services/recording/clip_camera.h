@@ -10,27 +10,29 @@
 
 namespace sslv {
 
-/// One camera's part of a clip that is written: which of the ring's frames are in it, the setups they need,
-/// and what is missing.
+/// One camera's part of a clip that is being written: writes its frames with their setups, and counts missing
+/// frames.
 class ClipCamera {
  public:
-  /// `every_nth`: which frames were kept on purpose.
+  /// `every_nth`: the ring holds only every n-th frame on purpose; the frames in between do not count as
+  /// missing.
   ClipCamera(LastSeconds::Ring ring, int every_nth);
 
   ImageRing& ring() { return *from_.ring; }
-  /// Of all frames that are held, and those to come within so many seconds.
+  /// Bytes of all held frames and of the frames expected within `seconds`.
   double expected_bytes(double seconds) const;
 
-  /// Writes the ring's oldest held frame and lets it go. False: it is not for the clip, because what it needs
-  /// is not there. Throws StorageError.
+  /// Writes the ring's oldest held frame and releases it. Returns false if no frame is held, or if the frame
+  /// was skipped because its setup is missing, or because a clip cannot begin with it: it lacks the saved
+  /// state of the stages. Throws StorageError.
   bool write_oldest(ClipWriter& writer);
-  /// Frames that find no room in the ring from now on are not of the clip.
+  /// The clip is over: frames that the ring drops from now on are not counted.
   void end_now();
-  /// Notes those that found no room before. Throws StorageError.
+  /// Notes frames that the ring dropped during the clip as missing. Throws StorageError.
   void note_dropped(ClipWriter& writer);
 
   bool has_begun() const { return last_number_.has_value(); }
-  double newest_s() const { return newest_s_; }  // when the newest of the clip was captured, Unix time
+  double newest_s() const { return newest_s_; }  // capture time of the newest frame, Unix
   std::uint64_t missing() const { return missing_; }
 
  private:
@@ -40,8 +42,8 @@ class ClipCamera {
   const std::uint32_t every_nth_;
   const std::uint64_t dropped_before_;
   std::optional<std::uint64_t> dropped_at_end_;
-  std::map<std::uint32_t, std::uint32_t> setups_;  // number of the camera's -> of the clip's
-  std::optional<std::uint32_t> last_number_;       // of the frame before
+  std::map<std::uint32_t, std::uint32_t> setups_;  // setup number in the ring -> in the clip
+  std::optional<std::uint32_t> last_number_;       // number of the previous frame
   double newest_s_ = 0;
   std::uint64_t missing_ = 0;
 };

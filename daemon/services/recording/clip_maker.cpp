@@ -21,7 +21,7 @@ namespace sslv {
 namespace {
 
 constexpr std::chrono::milliseconds kNextFrames{20};
-/// For frames that are still on their way when the clip ends.
+/// Waiting time for late frames after the clip's end.
 constexpr double kLateFrames_s = 0.3;
 constexpr std::uint64_t kCheckDiskEvery = 64'000'000;  // bytes
 constexpr const char* kStopped = "the service was stopped";
@@ -30,7 +30,8 @@ std::int64_t to_ns(double steady_s) {
   return std::llround(steady_s * 1e9);
 }
 
-/// Match logs stay for a clip that nobody asked for: strangers can make goals and alerts.
+/// Clips that no user requested remove no match logs, because anybody on the network can trigger goals and
+/// alerts.
 RoomFor room_for(const ClipOrder& order) {
   return order.kind == kKeptClip || order.kind == kCrashClip ? RoomFor::kWantedClip : RoomFor::kOtherClip;
 }
@@ -60,12 +61,13 @@ struct ClipMaker::Work {
 ClipProgress ClipMaker::make(const ClipOrder& order, std::vector<LastSeconds::Ring> rings, int every_nth,
                              const Hooks& hooks, const std::stop_token& stop) {
   const auto must_wait = [&] { return order.can_wait && stop.stop_requested(); };
-  if (must_wait()) return {.why = order.why, .problem = kStopped};  // and no recording goes for it
+  // Checked before recordings are removed to make space for the clip.
+  if (must_wait()) return {.why = order.why, .problem = kStopped};
   Work work{.order = order, .hooks = hooks};
   work.progress.why = order.why;
   work.cameras.reserve(rings.size());
   for (LastSeconds::Ring& ring : rings) work.cameras.emplace_back(std::move(ring), every_nth);
-  work.hold();  // at once: what is held is not overwritten while the file is made
+  work.hold();  // before the file is created: held frames are not overwritten meanwhile
   std::filesystem::path file;
   bool is_finished = false;
   try {
@@ -124,14 +126,14 @@ void ClipMaker::write(Work& work, const std::stop_token& stop) {
       files_.make_room(config_.load()->recording, room_for(work.order), events_);
     }
     if (work.hooks.wait) work.hooks.wait();
-    // Those that were not there when it was looked the last time are there now.
+    // Return only if the last hold() came after the waiting time for late frames.
     if (now_s > work.order.end_s + kLateFrames_s || stop.stop_requested()) return;
     std::unique_lock lock(idle);
     stopped.wait_for(lock, stop, kNextFrames, [] { return false; });
   }
 }
 
-/// The frame that arrived first of those that are held. False: there is none.
+/// Writes the held frame that arrived first. Returns false if no frame is held.
 bool ClipMaker::write_next(Work& work) {
   ClipCamera* first = nullptr;
   std::int64_t first_ns = 0;

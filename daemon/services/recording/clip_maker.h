@@ -18,46 +18,48 @@
 
 namespace sslv {
 
-/// A clip that is to be written.
+/// A request to write a clip.
 struct ClipOrder {
   std::string name;       // part of the file's name
   std::string kind;       // ClipAbout::kind
-  std::string why;        // for people
-  std::string who{};      // the client's address; empty: nobody
+  std::string why;        // human-readable reason
+  std::string who{};      // the client's address; empty: no client
   double begin_s, end_s;  // on the steady clock
-  /// The next start of the service can write it as well: if it stops now, nothing is left of it.
+  /// The next run of the service can write this clip: if the service stops now, the unfinished file is
+  /// removed.
   bool can_wait = false;
 };
 
-/// How a clip stands.
+/// Progress of a clip.
 struct ClipProgress {
   std::string file{};
   std::string why{};
   std::uint64_t bytes = 0, frames = 0, missing = 0;
-  std::string problem{};  // why it could not be written, or not to its end
+  std::string problem{};  // why the clip was not written, or not completely
 };
 
-/// Writes one clip of what rings hold: of cameras that go on filling them, or of memory that a crash left.
-/// For one thread of low priority; cameras wait for nothing.
+/// Writes one clip from the ring buffers of running cameras, or from the ring buffers that a crash left in
+/// memory. For one thread of low priority; never blocks cameras.
 class ClipMaker {
  public:
   struct Hooks {
-    /// Called often while it is written.
+    /// Called at the beginning, after each frame and at the end.
     std::function<void(const ClipProgress&)> tell;
-    /// Called while frames are waited for.
+    /// Called while make() waits for frames.
     std::function<void()> wait;
-    /// What happened in the clip's time, asked for at its end. `newest_s`: of its frames, Unix time.
+    /// Returns the events during the clip; called at the clip's end. `newest_s`: capture time of the clip's
+    /// newest frame, Unix.
     std::function<std::vector<ClipEvent>(double newest_s)> happened;
   };
 
-  /// `config` and `files` must outlive this, `events` gets what was removed to make room, and the clip.
-  /// `max_blocks`: for tests.
+  /// `config`, `files` and `events` must outlive this. `events` receives an event for each removed recording
+  /// and for the written clip. `max_blocks`: for tests.
   ClipMaker(const Snapshot<Config>& config, RecordingFiles& files, EventQueue& events,
             std::uint64_t max_blocks = kMaxClipBlocks)
       : config_(config), files_(files), events_(events), max_blocks_(max_blocks) {}
 
-  /// Returns when the clip's time is over and its frames are written, when it has as many as it can have, or
-  /// when it is told to stop. Nothing is left of a clip without frames. Lets all frames go.
+  /// Returns when the clip's time is over and its frames are written, when the clip is full, or when stopped.
+  /// Removes a clip without frames. Releases all held frames.
   ClipProgress make(const ClipOrder& order, std::vector<LastSeconds::Ring> rings, int every_nth,
                     const Hooks& hooks, const std::stop_token& stop);
 

@@ -25,15 +25,16 @@ namespace {
 
 constexpr std::chrono::milliseconds kOrderInterval{200};
 constexpr double kShareInterval_s = 1;
-/// Stages' memory is kept so often; a clip begins where it is.
+/// A clip starts this much earlier than requested, because it must begin with a keyframe (a frame with the
+/// saved state of the stages). RecordedCamera records keyframes at shorter intervals than this.
 constexpr double kKeyInterval_s = 0.3;
 constexpr double kKeptEvents_s = 1300;
 constexpr std::size_t kMaxEvents = 1000, kMaxEventBytes = 400;  // together less than a clip can hold
 constexpr double kFailureIsTold_s = 600;
-/// Between clips of crashes.
+/// Minimum time between crash clips.
 constexpr std::chrono::seconds kCrashClipInterval{60};
-constexpr std::size_t kMaxCrashClips = 3;  // besides those that are pinned
-/// Between two clips for alerts of one kind.
+constexpr std::size_t kMaxCrashClips = 3;  // not counting pinned clips
+/// Minimum time between two clips for alerts of one kind.
 constexpr double kAlertAgain_s = 60;
 
 Json clip_json(const RecordingFile& file) {
@@ -66,7 +67,8 @@ ClipService::ClipService(const Snapshot<Config>& config, RecordingFiles& files, 
       }) {}
 
 void ClipService::work(const std::stop_token& stop) {
-  // First: together with the new last seconds it would be twice the memory.
+  // First write the clip of the crashed run, which also frees that run's memory: together with the new ring
+  // buffers, twice as much memory would be in use.
   if (!left_.empty()) write_left(std::move(left_), stop);
   double shared_s = 0;
   while (!stop.stop_requested()) {
@@ -111,7 +113,7 @@ void ClipService::order_for_event(bool is_wanted, const std::string& kind, const
   if (!is_wanted) return;
   const ClipSettings settings = config_.load()->recording.clips;
   const double now_s = steady_s();
-  // What happens while one is written stands in that one's list of events.
+  // The result does not matter: if another clip is being written, that clip lists this event.
   put({.name = kind,
        .kind = kind,
        .why = text,
@@ -122,13 +124,13 @@ void ClipService::order_for_event(bool is_wanted, const std::string& kind, const
 void ClipService::see_alerts(const std::vector<Alert>& alerts) {
   const ClipSettings settings = config_.load()->recording.clips;
   std::set<std::string> now;
-  std::vector<std::pair<const Alert*, bool>> added;  // and whether a clip may be made for it
+  std::vector<std::pair<const Alert*, bool>> added;  // alert, and whether a clip may be made for it
   {
     const std::lock_guard lock(mutex_);
     for (const Alert& alert : alerts) {
       const std::string key = fmt::format("{} {} {}", alert.id, alert.camera.value_or(-1), alert.about);
       now.insert(key);
-      // Those of clips and of a crash tell of clips themselves.
+      // Alerts about clips and crashes cause no clips.
       if (alerts_.contains(key) || alert.id.starts_with("clip_") || alert.id == "service_crashed") continue;
       double& made_s = clipped_.emplace(alert.id, -1e9).first->second;
       const bool may = steady_s() - made_s >= kAlertAgain_s;
@@ -156,11 +158,11 @@ void ClipService::look_at_game() {
     order_for_event(settings.on_command, "command", command_text(*now->command));
 }
 
-/// What the cameras saw before the service crashed.
+/// Writes a clip from the memory of the crashed run, and sets crash_.
 void ClipService::write_left(std::vector<KeptFile> files, const std::stop_token& stop) {
   std::string told;
   {
-    const LastSeconds::Left left = LastSeconds::left_rings(std::move(files));
+    const LastSeconds::Left left = LastSeconds::crash_rings(std::move(files));
     if (!left.rings.empty()) {
       told = "The service crashed and runs again";
       if (config_.load()->recording.clips.on_crash) told += write_crash_clip(left, stop);
@@ -177,8 +179,8 @@ void ClipService::write_left(std::vector<KeptFile> files, const std::stop_token&
   crash_s_ = steady_s();
 }
 
-/// Those that were written last come first. What a clip was made for stands in it: people may name theirs as
-/// they like.
+/// Returns the clips of crashes, last written first. The kind is read from the file, because users may give
+/// clips any name.
 std::vector<RecordingFile> ClipService::crash_clips(const std::stop_token& stop) const {
   std::vector<RecordingFile> out = files_.list(RecordingFile::Kind::kClip);
   std::erase_if(out, [&](const RecordingFile& file) {
@@ -191,9 +193,9 @@ std::vector<RecordingFile> ClipService::crash_clips(const std::stop_token& stop)
   return out;
 }
 
-/// How that went, as the second half of a sentence.
+/// Returns the outcome as the second half of a sentence.
 std::string ClipService::write_crash_clip(const LastSeconds::Left& left, const std::stop_token& stop) {
-  // A service that crashes again and again is neither to do nothing but write clips, nor to fill the disk.
+  // A service that crashes repeatedly must neither spend all its time on clips nor fill the disk.
   std::size_t kept = 0;
   for (const RecordingFile& file : crash_clips(stop)) {
     std::error_code error;
@@ -206,7 +208,7 @@ std::string ClipService::write_crash_clip(const LastSeconds::Left& left, const s
       if (files_.remove(file.name))
         log::info("recording {} was removed: it is of an earlier crash", file.name);
     } catch (const StorageError& problem) {
-      log::warning("{}", problem.what());  // the newer clip is worth more than the room
+      log::warning("{}", problem.what());  // more disk use is better than no new clip
     }
   }
   ClipOrder order{.name = std::string(kCrashClip),
@@ -234,7 +236,7 @@ std::string ClipService::write_crash_clip(const LastSeconds::Left& left, const s
   if (clip.problem.empty()) return fmt::format("; clip {} shows what the cameras saw before", clip.file);
   {
     const std::lock_guard lock(mutex_);
-    clip_ = {};  // its file may be gone
+    clip_ = {};  // its file may have been removed
   }
   if (stop.stop_requested()) {
     for (const LastSeconds::Ring& ring : left.rings) ring.ring->put_back();
@@ -281,7 +283,7 @@ std::vector<Route> ClipService::routes() {
   Route download{"GET", kClip, [this](const Request& request) { return get_clip(request); }};
   download.streams = true;
   return {{"GET", "/api/recordings/clips", [this](const Request&) { return json_response(to_json()); }},
-          // Also while a match locks the settings: that is when somebody wants one.
+          // Allowed while a match locks the settings, because users want clips during matches.
           {"POST", "/api/recordings/clips", [this](const Request& request) { return make_clip(request); },
            Needs::kChange},
           download,
@@ -331,11 +333,11 @@ Response ClipService::make_clip(const Request& request) {
   const ClipSettings settings = config_.load()->recording.clips;
   const auto number = [&](const char* key, double least, double otherwise) {
     if (!body.contains(key)) return otherwise;
-    constexpr double kMost_s = 600;
+    constexpr double kMax_s = 600;
     const bool is_good =
-        body[key].is_number() && body[key].get<double>() >= least && body[key].get<double>() <= kMost_s;
+        body[key].is_number() && body[key].get<double>() >= least && body[key].get<double>() <= kMax_s;
     if (!is_good)
-      throw HttpError(400, fmt::format("/{}: expected a number of seconds, {} to {}", key, least, kMost_s));
+      throw HttpError(400, fmt::format("/{}: expected a number of seconds, {} to {}", key, least, kMax_s));
     return body[key].get<double>();
   };
   const double before_s = number("seconds", 0.5, settings.seconds), after_s = number("seconds_after", 0, 0);

@@ -24,12 +24,13 @@
 
 namespace sslv {
 
-/// Keeps the cameras' last seconds in memory, and writes clips of them: when somebody asks, at alerts, goals
-/// and commands if the settings say so, and after a crash of what the run before left. A thread of low
-/// priority writes them; cameras wait for nothing.
+/// Keeps the cameras' last seconds in memory and writes clips: on request, for alerts, goals and commands if
+/// the settings say so, and after a crash, from the memory of the previous run. A thread of low priority
+/// writes the clips and never blocks cameras.
 class ClipService final : public Service {
  public:
-  /// `left`: what the service manager kept of the run before, if that crashed. The others must outlive this.
+  /// `left`: memory that the service manager kept from the previous run, if that run crashed. All other
+  /// arguments must outlive this.
   ClipService(const Snapshot<Config>& config, RecordingFiles& files, Cameras& cameras,
               const RefereeListener& referee, std::vector<KeptFile> left);
 
@@ -49,7 +50,7 @@ class ClipService final : public Service {
   std::vector<RecordingFile> crash_clips(const std::stop_token& stop) const;
   std::optional<ClipOrder> next_order(const std::stop_token& stop);
   void look_at_game();
-  /// False: one is being written or waits already.
+  /// Queues a clip. Returns false if a clip is being written or queued already.
   bool put(ClipOrder order);
   void order_for_event(bool is_wanted, const std::string& kind, const std::string& text);
   void note_event(const std::string& kind, const std::string& text);
@@ -69,22 +70,22 @@ class ClipService final : public Service {
   LastSeconds last_seconds_;
   EventQueue events_;
   ClipMaker maker_;
-  mutable std::mutex mutex_;  // guards those up to `ordered_`
+  mutable std::mutex mutex_;  // guards the members up to `ordered_`
   std::optional<ClipOrder> order_;
   bool is_writing_ = false;
-  ClipProgress clip_;             // the newest
-  double problem_s_ = 0;          // when it failed, on the steady clock
-  std::string crash_;             // that the service crashed, and which clip shows it; empty: it did not
-  double crash_s_ = 0;            // when that was known, on the steady clock
-  std::deque<ClipEvent> recent_;  // what happened lately, for clips
-  std::set<std::string> alerts_;  // that are there
+  ClipProgress clip_;             // the newest clip
+  double problem_s_ = 0;          // when the newest clip failed, on the steady clock
+  std::string crash_;             // message about a crash and its clip; empty: no crash
+  double crash_s_ = 0;            // when crash_ was set, on the steady clock
+  std::deque<ClipEvent> recent_;  // recent events, for clips
+  std::set<std::string> alerts_;  // keys of the active alerts
   std::map<std::string, double>
-      clipped_;  // kind of alert -> when a clip was made for it, on the steady clock
+      clipped_;  // alert id -> when a clip was last made for it, on the steady clock
   std::condition_variable_any ordered_;
-  // The thread's own.
+  // Used by the thread only:
   std::optional<MatchState> match_;
   std::vector<KeptFile> left_;
-  std::jthread thread_;  // last: it uses the others
+  std::jthread thread_;  // last: the thread uses the members above
 };
 
 }  // namespace sslv

@@ -21,16 +21,18 @@
 namespace sslv {
 namespace {
 
-/// How long what cameras send is measured before it counts.
+/// Minimum interval for measuring a data rate, and delay after a change of the cameras.
 constexpr double kMeasured_s = 0.9;
-/// Times in a row in which a camera's pace may differ before one counts all the same.
+/// Intervals without a steady rate after which the current rate is accepted anyway.
 constexpr int kUnevenAtMost = 5;
-/// A part may differ by so much of what it should be: to change it costs the images in it.
+/// Relative difference up to which rates count as equal and rings keep their size, because resizing a ring
+/// loses its images.
 constexpr double kMayDiffer = 0.3;
-/// Of the memory that is left: the rest is for the rest of the service and of the computer.
+/// Usable fraction of the available memory; the rest is for the service and the computer.
 constexpr double kOfWhatIsLeft = 0.5;
 
-/// The service manager keeps its memory by that name until the ring ends, so also after a crash.
+/// Makes the service manager release the ring's memory when the ring is destroyed, unless put_back() was
+/// called. After a crash, the service manager still has the memory.
 std::shared_ptr<ImageRing> kept_as(const std::string& name, std::unique_ptr<ImageRing> ring) {
   return {ring.release(), [name](ImageRing* ending) {
             if (!ending->is_put_back()) forget_file(name);
@@ -46,7 +48,8 @@ std::shared_ptr<ImageRing> kept_ring(int camera_id, std::size_t bytes, const std
   return ring;
 }
 
-/// The camera that such a name tells; not what frames tell, which may be damaged.
+/// The camera id in a name that kept_ring() made. The ids in frames are not used, because they may be
+/// damaged.
 std::optional<int> camera_in(std::string_view name) {
   if (!name.starts_with(LastSeconds::kKeptName)) return std::nullopt;
   name.remove_prefix(std::string_view(LastSeconds::kKeptName).size());
@@ -62,7 +65,7 @@ bool same(const LastSecondsSettings& a, const LastSecondsSettings& b) {
 
 }  // namespace
 
-/// The cameras that there are now, with what each sends.
+/// Updates the list of cameras and their data rates.
 void LastSeconds::measure(std::map<int, Known>& known, double now_s) {
   const auto recorded = cameras_.recorded();
   const bool is_same = std::ranges::equal(known, recorded, [](const auto& one, const auto& camera) {
@@ -86,8 +89,9 @@ void LastSeconds::measure(std::map<int, Known>& known, double now_s) {
     const double passed_s = now_s - one.seen_s;
     if (passed_s < kMeasured_s) continue;
     const RecordedCamera::Seen seen = one.camera->seen();
-    // One that has stopped keeps its part: its last seconds tell why. So a time in which it began or stopped
-    // does not count, only what two in a row say; but one whose pace is never even gets memory, too.
+    // A camera that stopped keeps its memory, because its last seconds show why it stopped. So a rate counts
+    // only if two successive intervals agree, which excludes intervals in which the camera started or
+    // stopped. A camera without a steady rate gets memory after kUnevenAtMost intervals.
     if (seen.frames != one.seen.frames) {
       one.image_bytes = (seen.bytes - one.seen.bytes) / (seen.frames - one.seen.frames);
       const double rate = static_cast<double>(seen.bytes - one.seen.bytes) / passed_s;
@@ -101,13 +105,13 @@ void LastSeconds::measure(std::map<int, Known>& known, double now_s) {
 }
 
 void LastSeconds::publish(const std::map<int, Known>& known) {
-  std::map<int, Known> before = known;  // what it had goes after the lock
+  std::map<int, Known> before = known;  // destroyed after the lock is released
   const std::lock_guard lock(mutex_);
   known_.swap(before);
 }
 
 void LastSeconds::look(const LastSecondsSettings& settings, double now_s, const std::stop_token& stop) {
-  std::map<int, Known> known = known_;  // this thread alone changes it
+  std::map<int, Known> known = known_;  // no lock: only this thread changes known_
   measure(known, now_s);
   publish(known);
   if (now_s - changed_s_ < kMeasured_s) return;
@@ -166,7 +170,7 @@ void LastSeconds::share_out(std::map<int, Known>& known, std::uint64_t bytes, co
     return std::abs(now - part) <= kMayDiffer * part;
   };
   if (std::ranges::all_of(known, [&](const auto& one) { return is_good(one.second); })) return;
-  // First all is given back that is to be of another size, so that never more than `bytes` are taken.
+  // First free all rings of the wrong size, so that never more than `bytes` are allocated.
   for (auto& [id, one] : known) {
     if (is_good(one) || !one.ring) continue;
     one.ring.reset();
@@ -185,7 +189,7 @@ void LastSeconds::hand_over(const Known& known) const {
   known.camera->keep({.ring = known.ring, .every_nth = settings_.kept_every()});
 }
 
-LastSeconds::Left LastSeconds::left_rings(std::vector<KeptFile> files) {
+LastSeconds::Left LastSeconds::crash_rings(std::vector<KeptFile> files) {
   Left out;
   for (KeptFile& kept : files) {
     const auto id = camera_in(kept.name);
@@ -207,7 +211,7 @@ std::vector<LastSeconds::Ring> LastSeconds::rings() const {
   const std::lock_guard lock(mutex_);
   for (const auto& [id, known] : known_) {
     if (!known.ring) continue;
-    // Of every n-th image less is kept than comes.
+    // If only every n-th image is kept, the ring receives less data than the camera sends.
     const ImageRing::Extent extent = known.ring->extent();
     const double seconds = static_cast<double>(extent.newest_ns - extent.oldest_ns) * 1e-9;
     const double kept_per_s =

@@ -18,58 +18,59 @@
 
 namespace sslv {
 
-/// The memory for the newest images of all cameras: each gets a part of it by what it sends, so that all
-/// reach back as far. look() and rings() are for one thread, that of clips; the rest for any.
+/// Ring buffers with the newest images (the last seconds) of all cameras. Their memory is divided by data
+/// rate, so that all reach back equally far. look() and rings() are for the clip thread only; all other
+/// functions are for any thread.
 class LastSeconds {
  public:
-  /// So begin the names under which the service manager keeps the memory, also when the service crashes.
+  /// Prefix of the names under which the service manager keeps the memory, also after a crash.
   static constexpr const char* kKeptName = "last_seconds-";
 
   /// `cameras` must outlive this.
   explicit LastSeconds(Cameras& cameras) : cameras_(cameras) {}
 
-  /// To be called now and then: shares the memory out again when cameras or settings have changed, which
-  /// empties what changes. Not while a ring is read. `now_s`: on the steady clock.
+  /// Call it regularly, but not while a ring is read. Divides the memory again when cameras or settings have
+  /// changed; rings whose size changes lose their images. `now_s`: on the steady clock.
   void look(const LastSecondsSettings& settings, double now_s = steady_s(), const std::stop_token& stop = {});
 
   struct Ring {
     int camera_id = 0;
     std::shared_ptr<ImageRing> ring;
-    double bytes_per_s = 0;  // that its camera puts there, or less than that
+    double bytes_per_s = 0;  // data rate into the ring; below the camera's if only every n-th image is kept
   };
-  /// Those that have memory.
+  /// The rings of the cameras that have memory.
   std::vector<Ring> rings() const;
 
-  /// What the cameras saw last before the service crashed: all memory that the service manager kept of an
-  /// earlier run, as far as there are frames in it. The manager forgets it with the ring, unless that was put
-  /// back.
+  /// The cameras' last images before a crash: all rings with frames that the service manager kept from an
+  /// earlier run. The service manager releases a ring's memory when the ring is destroyed, unless put_back()
+  /// was called.
   struct Left {
     std::vector<Ring> rings;
-    bool was_read = false;  // a service crashed while it read what the one before had left
+    bool was_read = false;  // the service crashed while it read an earlier crash's memory
   };
-  static Left left_rings(std::vector<KeptFile> files);
+  static Left crash_rings(std::vector<KeptFile> files);
 
   struct CameraStatus {
     int id = 0;
-    std::uint64_t frames = 0, dropped = 0, bytes = 0;  // dropped: while a clip was written
+    std::uint64_t frames = 0, dropped = 0, bytes = 0;  // dropped: frames, while a clip was written
     double seconds = 0;                                // from the oldest to the newest frame
   };
   struct Status {
     std::uint64_t wanted_bytes = 0, bytes = 0;
     LastSecondsSettings settings;
     std::vector<CameraStatus> cameras;
-    std::string problem;  // why it is less than wanted; empty: it is not
+    std::string problem;  // why there is less memory than requested; empty: no problem
   };
   Status status() const;
 
  private:
   struct Known {
-    RecordedCamera::Seen seen{};  // at seen_s
+    RecordedCamera::Seen seen{};  // counts at seen_s
     double seen_s = 0;
-    double last_bytes_per_s = 0;    // in the second before that
-    double bytes_per_s = 0;         // that counts
-    int uneven = 0;                 // times without one that counts
-    std::uint64_t image_bytes = 0;  // of one
+    double last_bytes_per_s = 0;    // rate in the last interval with frames
+    double bytes_per_s = 0;         // accepted rate, by which the memory is divided
+    int uneven = 0;                 // intervals without an accepted rate
+    std::uint64_t image_bytes = 0;  // mean size of an image in the last interval with frames
     bool is_kept() const { return image_bytes <= kMaxClipImageBytes; }
     std::shared_ptr<RecordedCamera> camera{};
     std::shared_ptr<ImageRing> ring{};
@@ -80,8 +81,8 @@ class LastSeconds {
   void hand_over(const Known& known) const;
 
   Cameras& cameras_;
-  double changed_s_ = 0;      // when the list of cameras did, on the steady clock
-  mutable std::mutex mutex_;  // guards the rest, which only look() changes; never held for long
+  double changed_s_ = 0;      // last change of the list of cameras, on the steady clock
+  mutable std::mutex mutex_;  // guards the members below, which only look() changes; held briefly
   std::map<int, Known> known_;
   LastSecondsSettings settings_;
   std::string problem_;

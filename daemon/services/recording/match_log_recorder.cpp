@@ -98,12 +98,12 @@ MatchLogRecorder::Status MatchLogRecorder::status() const {
 
 void MatchLogRecorder::take(Group& group, const boost::asio::ip::udp::endpoint& sender,
                             std::span<const std::byte> datagram) {
-  // In this order: what is refused takes no share from what is the league's.
+  // In this order, so that invalid datagrams do not count for the rate limit.
   const bool is_good = is_league_message(group.type, datagram) &&
                        group.share.take(sender.address().to_v4().to_uint(), datagram.size(), steady_s());
   const bool is_ours = is_good && is_ours_(group.type, sender);
   const std::lock_guard lock(mutex_);
-  const std::int64_t time_ns = now_ns();  // with the lock, so that times stand in their order
+  const std::int64_t time_ns = now_ns();  // under the lock, so that messages are in order of time
   if (!status_.is_recording) return;
   if (!is_good) {
     ++status_.refused;
@@ -153,7 +153,7 @@ void MatchLogRecorder::keep_writing(const std::stop_token& stop) {
     {
       std::unique_lock lock(mutex_);
       changed_.wait(lock, stop, [this] { return status_.is_recording; });
-      if (!status_.is_recording) return;  // told to stop; end() came first
+      if (!status_.is_recording) return;  // stopped; end() was called before
       changed_.wait_for(lock, stop, kFlushInterval, [this] { return ends_; });
       ends = ends_ || stop.stop_requested();
       std::swap(some, waiting_);

@@ -22,16 +22,18 @@
 
 namespace sslv {
 
-/// Where what a match log holds is sent.
+/// The multicast groups that a match log records.
 struct MatchLogGroups {
   GroupAddress vision, tracker;
   std::optional<GroupAddress> referee;
   bool operator==(const MatchLogGroups&) const = default;
 };
 
-/// Writes what the league sends to the groups of a field into one log after the other. Threads that listen
-/// check and copy; one of low priority packs and writes, twice a second onto the disk. A disk that hangs
-/// delays nobody: what finds no room then is lost and counted. May be used from any thread.
+/// Records the league's messages that are sent to a field's groups, one log after the other. A sender is
+/// either ours (one of the field's own senders, see IsOurs) or a stranger. Receiver threads check and copy
+/// messages; a thread of low priority compresses and writes them, and syncs to the disk twice a second. A
+/// disk that hangs delays no receiver: messages that do not fit into the buffer are lost and counted. May be
+/// used from any thread.
 class MatchLogRecorder {
  public:
   static constexpr std::chrono::milliseconds kFlushInterval{500};
@@ -40,38 +42,39 @@ class MatchLogRecorder {
   struct Status {
     bool is_recording = false;
     std::uint64_t bytes = 0, vision = 0, referee = 0, tracked = 0;
-    std::uint64_t lost = 0;     // found no room
-    std::uint64_t refused = 0;  // were none of the league's messages, or more than a field sends
-    std::uint64_t cut = 0;      // of strangers, when there was little room
-    std::uint64_t ours_bytes = 0, strangers_bytes = 0;  // taken, before they are packed
-    std::string problem;                                // why it ended early; empty: it did not
+    std::uint64_t lost = 0;                             // messages that did not fit into the buffer
+    std::uint64_t refused = 0;                          // not the league's messages, or above the rate limit
+    std::uint64_t cut = 0;                              // strangers' messages dropped because space was low
+    std::uint64_t ours_bytes = 0, strangers_bytes = 0;  // accepted bytes, uncompressed
+    std::string problem;                                // why the log ended early; empty: it did not
 
-    /// Of the log's bytes, what other recordings may go for: strangers' only as far as there are no more of
-    /// them than of ours, or all where nothing is ours.
+    /// Share of the log's bytes, 0 to 1, that counts when space is made: our bytes, and at most the same
+    /// number of strangers' bytes; 1 if there are no bytes of ours.
     double counted_share() const;
   };
 
-  /// Whether messages of that type from there are the field's own; otherwise a stranger sends them. Called
-  /// from the threads that listen.
+  /// Whether messages of that type from that sender are the field's own; otherwise the sender is a stranger.
+  /// Called from the receiver threads.
   using IsOurs = std::function<bool(std::int32_t type, const boost::asio::ip::udp::endpoint& sender)>;
 
   explicit MatchLogRecorder(IsOurs is_ours);
   ~MatchLogRecorder();
 
-  /// Where to listen from now on.
+  /// Sets the groups to record.
   void listen(const MatchLogGroups& groups);
 
-  /// Throws StorageError when the file cannot be made. Only when none is recorded.
+  /// Starts a log, while none is recorded. Throws StorageError if the file cannot be created.
   void begin(const std::filesystem::path& file);
-  /// Nothing is taken in while it is paused.
+  /// Records nothing while paused.
   void pause(bool is_paused);
-  /// There is little room: from now on strangers' messages are taken only as far as there are no more of them
-  /// than of ours, in bytes. Until begin().
+  /// For low disk space: while set, a stranger's message is dropped if strangers would otherwise have more
+  /// bytes in the log than our senders, both counted since cutting was switched on. begin() switches cutting
+  /// off.
   void cut_strangers(bool cuts);
-  /// When it returns, the file is complete; or problem() says why not.
+  /// Ends the log. Afterwards the file is complete, or Status::problem says why not.
   void end();
 
-  /// Of the log that is recorded, or was last.
+  /// Status of the current or the last log.
   Status status() const;
 
  private:
@@ -82,7 +85,7 @@ class MatchLogRecorder {
       std::uint32_t size;
     };
     std::vector<Message> messages;
-    std::vector<std::byte> bytes;  // of one message after the other
+    std::vector<std::byte> bytes;  // the messages' bytes, concatenated
     void clear() {
       messages.clear();
       bytes.clear();
@@ -93,21 +96,21 @@ class MatchLogRecorder {
   void take(Group& group, const boost::asio::ip::udp::endpoint& sender, std::span<const std::byte> datagram);
   void listen_now();  // with control_mutex_ held
   void keep_writing(const std::stop_token& stop);
-  bool write(const Waiting& some);  // false: it cannot be written on
+  bool write(const Waiting& some);  // false: the log cannot be continued
 
   const IsOurs is_ours_;
-  std::mutex control_mutex_;  // for begin(), pause(), end() and listen(), one at a time
+  std::mutex control_mutex_;  // serializes begin(), pause(), end() and listen()
   MatchLogGroups groups_;
   bool is_listening_ = false;
 
-  mutable std::mutex mutex_;  // guards the next ones; never held while the disk is waited for
+  mutable std::mutex mutex_;  // guards the next members; never held while waiting for the disk
   std::condition_variable_any changed_;
   Status status_;
   Waiting waiting_;
   bool ends_ = false;
   bool cuts_strangers_ = false;
   std::uint64_t ours_before_cut_ = 0, strangers_before_cut_ = 0;  // bytes
-  std::unique_ptr<MatchLogWriter> writer_;                        // given to the thread while it records
+  std::unique_ptr<MatchLogWriter> writer_;                        // used by the thread while it records
 
   std::jthread thread_;
   struct Group {
@@ -118,10 +121,10 @@ class MatchLogRecorder {
             recorder.take(*this, sender, datagram);
           }) {}
     const std::int32_t type;
-    LeagueShare share;  // the receiver's thread's
+    LeagueShare share;  // used by the receiver's thread
     MulticastReceiver receiver;
   };
-  Group vision_, tracker_, referee_;  // last: their threads use the others
+  Group vision_, tracker_, referee_;  // last: their threads use the members above
 };
 
 }  // namespace sslv

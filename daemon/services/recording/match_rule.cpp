@@ -12,10 +12,10 @@ namespace {
 constexpr std::size_t kMaxPart = 60;
 
 bool is_named(const std::string& team) {
-  return !team.empty() && team != "Unknown";  // as game controllers call a team that is not chosen yet
+  return !team.empty() && team != "Unknown";  // game controllers use "Unknown" for a team not chosen yet
 }
 
-// By the numbers of the game controller's Stage and MatchType.
+// Numbers of the game controller's Stage and MatchType.
 bool is_break(int stage) {
   constexpr int kBreaks[] = {2, 5, 8, 11};
   return std::ranges::find(kBreaks, stage) != std::end(kBreaks);
@@ -45,7 +45,7 @@ MatchRule::Wish MatchRule::look(const RefereeStatus& referee) {
   }
   const Match now{referee.team_names, referee.match->type};
   if (match_ != now) {
-    // Another one. It begins when robots may move.
+    // A new match: it begins when robots may move.
     match_.reset();
     if (left_out_ != now) left_out_.reset();
     if (referee.match->is_halted || is_break(referee.match->stage)) return Wish::kNone;

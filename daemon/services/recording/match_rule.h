@@ -9,24 +9,25 @@
 
 namespace sslv {
 
-/// What the game controller's words mean for a match log, as the league's own recorder takes them: a match
+/// Decides by the game controller when a match is recorded, like the league's own recorder: a recording
 /// begins when both teams are named and the command is not HALT, pauses in breaks, and ends with the match,
-/// when a team has another name, or when the game controller has been silent for long.
+/// when a team's name changes, or when the game controller has been silent for
+/// RefereeStatus::kMatchOverAfter_s.
 class MatchRule {
  public:
   enum class Wish { kNone, kRecord, kPause };
 
-  /// To be called a few times a second.
+  /// Call it a few times a second.
   Wish look(const RefereeStatus& referee);
 
-  /// An admin ended the log: the match that runs is not recorded again.
+  /// Excludes the current match from recording.
   void leave_match_out() { left_out_ = match_; }
-  /// The match that runs is one that was left out.
+  /// Whether the current match is excluded from recording.
   bool leaves_match_out() const { return match_ && left_out_ == match_; }
 
-  /// Another one for each match that is recorded.
+  /// Changes with each match that is recorded.
   int number() const { return number_; }
-  /// The match that is recorded, or was last: "GROUP_PHASE_Yellow-vs-Blue", as a part of a file's name.
+  /// The current or last recorded match, as part of a file name: "GROUP_PHASE_Yellow-vs-Blue".
   std::string name() const;
 
  private:
@@ -35,13 +36,14 @@ class MatchRule {
     int type = 0;
     bool operator==(const Match&) const = default;
   };
-  std::optional<Match> match_;     // that runs
-  std::optional<Match> left_out_;  // until it ends
+  std::optional<Match> match_;     // the current match
+  std::optional<Match> left_out_;  // the excluded match, until it ends
   Match named_;
   int number_ = 0;
 };
 
-/// A text as a part of a file's name: letters and digits of ASCII, '-' and '.' inside; others become '_'.
+/// Makes a text usable in a file name, with at most 60 bytes: ASCII letters and digits stay, and '-' and '.'
+/// except at the beginning; all other characters become '_', and several in a row become a single '_'.
 std::string file_name_part(const std::string& text);
 
 }  // namespace sslv

@@ -24,11 +24,12 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxName = 200;
 constexpr int kMaxOfOneName = 1000;
-/// Of the quota and of the free disk, that clips leave to match logs.
+/// Part of the quota and of the free disk space that clips leave to match logs.
 constexpr int kReserve_mb = 200;
-/// Likewise that strangers leave to what is ours: what they send between two looks, and little more.
+/// Part of the quota and of the free disk space that is reserved for messages of our own senders: slightly
+/// more than strangers send between two checks (see MatchLogRecorder).
 constexpr int kStrangersReserve_mb = 50;
-/// Between two tries to read a recording that cannot be read.
+/// Retry intervals for a recording that cannot be read.
 constexpr double kFirstRetry_s = 10, kLastRetry_s = 600;
 constexpr const char* kClipEnding = ".clip";
 
@@ -44,7 +45,7 @@ fs::path unfinished_mark_of(const fs::path& log) {
   return log.string() + ".unfinished";
 }
 
-/// No link: that could lead out of the folder.
+/// False for links, which could lead out of the folder.
 bool is_file(const fs::path& path) {
   std::error_code error;
   return fs::symlink_status(path, error).type() == fs::file_type::regular;
@@ -192,14 +193,14 @@ DiskUse RecordingFiles::disk_use() const {
     use.used_bytes += size_of(folder_ / name) + size_of(index_file_of(folder_ / name));
   std::error_code error;
   fs::space_info space = fs::space(folder_, error);
-  if (error) space = fs::space(folder_.parent_path(), error);  // it is not made yet
+  if (error) space = fs::space(folder_.parent_path(), error);  // not created yet
   if (!error) use.free_bytes = space.available;
   return use;
 }
 
 RecordingFiles::Removables RecordingFiles::removable(RoomFor whom, std::uint64_t most) const {
-  // By when they were written, not by their names: others put recordings here too, and a clock may have been
-  // wrong.
+  // Order by time of writing, not by name: other programs put recordings here too, and the clock may have
+  // been wrong.
   Removables out;
   std::pair<std::string, double> counted;
   {
@@ -239,8 +240,8 @@ void RecordingFiles::count(const std::string& log, double share) {
 Room RecordingFiles::make_room(const RecordingSettings& settings, RoomFor whom, EventQueue& events,
                                std::uint64_t wanted_bytes) {
   const std::lock_guard one_at_a_time(room_mutex_);
-  // A match log must never end because a clip took the last of the room; where they have little room anyway,
-  // little of it is held back.
+  // Clips leave a reserve: they must never end a match log by taking the last space. With a small quota, the
+  // reserve is small.
   const int reserve_mb = whom == RoomFor::kMatchLog ? 0 : std::min(kReserve_mb, settings.quota_mb / 4);
   const std::uint64_t quota = static_cast<std::uint64_t>(settings.quota_mb - reserve_mb) * kMb;
   const std::uint64_t keep_free =
@@ -257,7 +258,7 @@ Room RecordingFiles::make_room(const RecordingSettings& settings, RoomFor whom, 
     gained += std::min(counted - gained, one.bytes);
     goes.push_back(one.name);
   }
-  if (counted - gained > quota) {  // then nothing goes
+  if (counted - gained > quota) {  // not enough: remove nothing
     gained = 0;
     goes.clear();
   }
@@ -268,7 +269,7 @@ Room RecordingFiles::make_room(const RecordingSettings& settings, RoomFor whom, 
     room.problem = fmt::format(
         "recordings {} {} MB, and may take {} MB (/recording/quota_mb); no more of them can be removed",
         wanted_bytes > 0 ? "would take" : "take", takes / kMb, quota / kMb);
-  // A clip may come beside what strangers put into the newest log.
+  // Strangers' bytes in the newest log that count() excludes do not prevent a clip.
   if (counted - gained > quota && whom != RoomFor::kMatchLog) throw StorageError(room.problem);
   if (use.free_bytes + gained < keep_free + wanted_bytes)
     throw StorageError(
@@ -284,7 +285,7 @@ Room RecordingFiles::make_room(const RecordingSettings& settings, RoomFor whom, 
   return room;
 }
 
-/// What stands beside a recording goes with it, also when somebody removed only that.
+/// Removes indexes and marks of recordings that no longer exist.
 void RecordingFiles::remove_orphans() const {
   std::error_code error;
   for (fs::directory_iterator entry(folder_, error), end; !error && entry != end; entry.increment(error)) {
@@ -298,7 +299,8 @@ void RecordingFiles::remove_orphans() const {
 }
 
 void RecordingFiles::look_at_log(const fs::path& path, Known& now, const std::stop_token& stop) const {
-  // The service was killed while it wrote this one. Files of others stay as they are.
+  // The mark shows that the service was killed while it wrote this log. Logs of other programs have no mark
+  // and are not changed.
   if (const fs::path mark = unfinished_mark_of(path); fs::exists(mark)) {
     const RepairedMatchLog repaired = repair_match_log(path, stop);
     if (!repaired.was_whole)
@@ -336,7 +338,7 @@ void RecordingFiles::look_after(const std::stop_token& stop, double now_s) {
     }
     try {
       if (is_clip(path)) {
-        const ClipReader clip(path, stop);  // reads what an unfinished one has
+        const ClipReader clip(path, stop);  // also reads unfinished clips
         now.clip = std::make_shared<const ClipFacts>(facts_of(clip));
         if (clip.is_unfinished()) now.problem = "was not ended: what was on the disk of it is kept";
         remove_file(unfinished_mark_of(path));
@@ -346,7 +348,7 @@ void RecordingFiles::look_after(const std::stop_token& stop, double now_s) {
     } catch (const std::exception& failure) {
       if (stop.stop_requested()) return;
       now.problem = failure.what();
-      // The disk may have been full, or somebody changes the file's permissions.
+      // Try again: the disk may have been full, or somebody may change the permissions of the file.
       now.wait_s = std::clamp(2 * now.wait_s, kFirstRetry_s, kLastRetry_s);
       now.again_s = now_s + now.wait_s;
     }

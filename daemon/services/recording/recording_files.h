@@ -19,12 +19,12 @@
 
 namespace sslv {
 
-inline constexpr std::uint64_t kMb = 1'000'000;  // bytes, as the settings count them
+inline constexpr std::uint64_t kMb = 1'000'000;  // bytes per MB in the settings
 
-/// What a clip is, without its frames.
+/// Summary of a clip.
 struct ClipFacts {
   double begin_s = 0, end_s = 0;  // Unix time of the first and the last frame
-  std::string why{};              // it was kept
+  std::string why{};              // why the clip was kept
   struct Camera {
     int id = 0;
     std::size_t frames = 0;
@@ -33,81 +33,85 @@ struct ClipFacts {
   std::vector<Camera> cameras{};
 };
 
-/// A match log or clip of the folder.
+/// A match log or clip in the folder.
 struct RecordingFile {
   enum class Kind { kMatchLog, kClip };
   std::string name;
   Kind kind = Kind::kMatchLog;
   std::uint64_t bytes = 0;
   bool is_pinned = false, is_open = false;  // open: it is being written
-  // Of its kind; null while it is made, and when it cannot be.
+  // `index` is set for match logs, `clip` for clips. Null until the file has been read, or if it cannot be
+  // read.
   std::shared_ptr<const MatchLogIndex> index;
   std::shared_ptr<const ClipFacts> clip;
-  std::string problem;  // why it cannot be read, or not to its end; empty when it can
+  std::string problem;  // why it cannot be read, or not completely; empty: no problem
 };
 
 struct DiskUse {
-  std::uint64_t used_bytes = 0;  // by recordings
-  std::uint64_t free_bytes = 0;  // that the service may use
+  std::uint64_t used_bytes = 0;  // bytes used by recordings
+  std::uint64_t free_bytes = 0;  // free bytes of the disk that the service may use
 };
 
-/// Whom room is made for. Clips go before match logs, and of either what was written longest ago first. What
-/// is pinned or being written stays, and so does the newest match log. Strangers may have filled that:
-/// nothing goes for what it has beyond its counted share and half the quota, and a recording of more than
-/// that half goes before all others.
+/// The purpose for which make_room() frees space. It removes clips before match logs, and the oldest of each
+/// kind first. It never removes pinned or open recordings or the newest match log. Strangers (see
+/// MatchLogRecorder) may have filled that log: no recording is removed to make space for its bytes beyond its
+/// counted share or beyond half the quota. A recording larger than half the quota is removed before all other
+/// recordings.
 enum class RoomFor {
-  kMatchLog,    // it may exceed the quota where nothing can go for it
-  kWantedClip,  // by a person, or after a crash
-  kOtherClip,   // all match logs stay
+  kMatchLog,    // may exceed the quota if nothing more can be removed
+  kWantedClip,  // requested by a user, or after a crash
+  kOtherClip,   // removes no match logs
 };
 
-/// What make_room() found.
+/// Result of make_room().
 struct Room {
   std::string problem{};   // why a match log exceeds the quota; empty: it does not
-  bool is_scarce = false;  // strangers must take no more: the rest is for what is ours
+  bool is_scarce = false;  // space is low: the rest is reserved for our own senders
 };
 
-/// The folder with recordings. A match log is NAME.log.gz or NAME.log, a clip NAME.clip; beside it may stand
-/// a log's index (.index), a mark that it is pinned (.pinned), and one that it is not finished yet
-/// (.unfinished). May be used from any thread.
+/// The folder with recordings: match logs NAME.log.gz or NAME.log, clips NAME.clip. Files beside a recording:
+/// the index of a log (.index), and marks for pinned (.pinned) and unfinished (.unfinished) recordings. May
+/// be used from any thread.
 class RecordingFiles {
  public:
   static constexpr const char* kFolderName = "recordings";  // in the state folder
 
-  /// Makes the folder when the first recording is begun.
+  /// The folder is created with the first recording.
   explicit RecordingFiles(std::filesystem::path folder);
 
   const std::filesystem::path& folder() const { return folder_; }
 
-  /// A path for a new one that begins now: "2026-07-03_14-05_NAME.log.gz" (UTC), with a number where there is
-  /// one of that name. It is not complete until end() is called. Throws StorageError.
+  /// Path for a new recording that begins now: "2026-07-03_14-05_NAME.log.gz" (UTC), with a number if that
+  /// name exists. The recording is unfinished until end() is called. Throws StorageError.
   std::filesystem::path begin(const std::string& name,
                               RecordingFile::Kind kind = RecordingFile::Kind::kMatchLog);
-  /// `is_finished`: it needs no repairing. Throws StorageError.
+  /// `is_finished`: the recording needs no repair. Throws StorageError.
   void end(const std::filesystem::path& file, bool is_finished);
 
-  /// Those that were written last come first.
+  /// Sorted by time of writing, the newest first.
   std::vector<RecordingFile> list(RecordingFile::Kind kind) const;
-  /// None: there is no such file, or its name is none of a recording.
+  /// Nullopt if there is no such file, or if it is not a recording's name.
   std::optional<RecordingFile> find(const std::string& name) const;
   std::filesystem::path path_of(const std::string& name) const { return folder_ / name; }
 
-  /// Throw StorageError.
+  /// pin() and remove() throw StorageError.
   void pin(const std::string& name, bool is_pinned);
-  /// False: it is being written.
+  /// Returns false if the recording is being written.
   bool remove(const std::string& name);
 
   DiskUse disk_use() const;
-  /// Removes recordings until one of so many bytes more has room, and tells of each; nothing where that would
-  /// not be enough. Throws StorageError where a clip would exceed the quota, or the disk must stay free.
+  /// Removes recordings until `wanted_bytes` more fit, with an event for each; removes none if that is not
+  /// enough. Throws StorageError if a clip would exceed the quota, or the disk would have less free space
+  /// than the settings require.
   Room make_room(const RecordingSettings& settings, RoomFor whom, EventQueue& events,
                  std::uint64_t wanted_bytes = 0);
 
-  /// From now on room is made for no more than this share, 0 to 1, of this log while it is the newest.
+  /// From now on, while `log` is the newest log, at most this share (0 to 1) of its bytes counts in
+  /// make_room().
   void count(const std::string& log, double share);
 
-  /// Makes logs whole that were not finished, and indexes that are missing. May take long. What fails is
-  /// tried again, less and less often. `now_s`: on a steady clock.
+  /// Repairs unfinished logs, creates missing indexes, reads clips, and removes orphaned indexes and marks.
+  /// May take long. Retries failures at increasing intervals. `now_s`: on a steady clock.
   void look_after(const std::stop_token& stop, double now_s);
 
  private:
@@ -117,7 +121,7 @@ class RecordingFiles {
     std::shared_ptr<const MatchLogIndex> index;
     std::shared_ptr<const ClipFacts> clip;
     std::string problem;
-    double wait_s = 0;  // until it is tried again, which is at again_s
+    double wait_s = 0;  // retry interval in s; the next try is at again_s
     double again_s = std::numeric_limits<double>::infinity();
   };
   struct Removable {
@@ -127,8 +131,8 @@ class RecordingFiles {
     bool is_clip = false;
   };
   struct Removables {
-    std::vector<Removable> all;         // in the order in which they go
-    std::uint64_t uncounted_bytes = 0;  // of the newest log, which is none of them
+    std::vector<Removable> all;         // in order of removal
+    std::uint64_t uncounted_bytes = 0;  // bytes of the newest log (not in `all`) that do not count
   };
   Removables removable(RoomFor whom, std::uint64_t most) const;
   std::vector<std::string> names() const;
@@ -137,15 +141,15 @@ class RecordingFiles {
   void remove_orphans() const;
 
   const std::filesystem::path folder_;
-  std::mutex room_mutex_;             // room is made for one at a time
-  mutable std::mutex mutex_;          // guards the next ones; not held while a file is read
-  std::set<std::string> open_names_;  // of those that are written
+  std::mutex room_mutex_;             // serializes make_room()
+  mutable std::mutex mutex_;          // guards the members below; not held while a file is read
+  std::set<std::string> open_names_;  // names of recordings that are being written
   std::map<std::string, Known> known_;
   std::string counted_log_;
   double counted_share_ = 1;
 };
 
-/// Whether a client may name such a recording: nothing but a file of the folder.
+/// Whether clients may use this name: it can only name a recording in the folder, and is not a path.
 bool is_recording_name(const std::string& name);
 
 }  // namespace sslv

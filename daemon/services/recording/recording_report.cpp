@@ -9,7 +9,7 @@ namespace sslv {
 
 namespace {
 
-/// What is wrong with recordings stops no match.
+/// Always a warning: problems with recordings stop no match.
 void warn_of(const char* check, const char* id, std::string title, std::string fix, HealthReport& report) {
   report.alerts.push_back({.id = id,
                            .check = check,
@@ -45,7 +45,7 @@ void report_recording(const RecordingFacts& facts, HealthReport& report) {
                      facts.lost),
          "Use a faster disk, or record on another computer.");
   }
-  constexpr std::uint64_t kStrays = 100;  // a few harm nothing
+  constexpr std::uint64_t kStrays = 100;  // a few are harmless
   if (facts.refused > kStrays) {
     warn("recording_refused",
          fmt::format(

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What clients say of recordings in the bodies of their requests.
+// Parses the bodies of requests about recordings.
 
 #include "base/json.h"
 #include "web/route.h"
@@ -12,13 +12,13 @@
 
 namespace sslv {
 
-/// Throws HttpError for a body with any other key.
+/// Throws HttpError if `body` is not an object or has a key that is not in `known`.
 void check_keys(const Json& body, std::initializer_list<std::string_view> known);
 
-/// The part of a file's name that stands in `name`. Throws HttpError.
+/// Makes the key "name" a part of a file name. Throws HttpError if it is invalid.
 std::string asked_name(const Json& body);
 
-/// The only key that can be changed, "pinned". Throws HttpError.
+/// Value of "pinned", the only key that can be changed. Throws HttpError.
 bool asked_pinned(const Request& request);
 
 }  // namespace sslv

@@ -22,9 +22,9 @@ namespace sslv {
 namespace {
 
 constexpr std::chrono::milliseconds kLookInterval{200};
-constexpr std::chrono::seconds kCheckInterval{5};  // of the disk
+constexpr std::chrono::seconds kCheckInterval{5};  // between checks of the disk
 constexpr std::chrono::seconds kFilesInterval{1};
-/// How long it is told why a recording ended early.
+/// How long the reason is reported after a recording ended early.
 constexpr double kProblemIsTold_s = 600;
 constexpr const char* kEndedEarly = "its log ended early";
 
@@ -39,7 +39,7 @@ MatchLogGroups match_log_groups(const Config& config) {
   return groups;
 }
 
-/// Does it now and at such intervals until it is told to stop.
+/// Calls act() immediately, then at this interval until stopped.
 template <class Act>
 void repeat(std::chrono::milliseconds interval, const std::stop_token& stop, Act act) {
   std::mutex mutex;
@@ -88,7 +88,7 @@ RecordingService::RecordingService(const Snapshot<Config>& config, RecordingFile
       is_own_(std::move(is_own)),
       recorder_([this](std::int32_t type, const auto& sender) { return is_ours(type, sender); }),
       keeper_([this](const std::stop_token& stop) {
-        // Not an idle one: others wait for the lock that it takes now and then.
+        // Not an idle thread: other threads wait for a lock that it sometimes holds.
         become_background_thread("log index", 19);
         repeat(kFilesInterval, stop, [&] { files_.look_after(stop, steady_s()); });
       }),
@@ -157,14 +157,14 @@ void RecordingService::follow_game_controller() {
     if (is_recording) end();
     return;
   }
-  if (is_recording && now.match != rule_.number()) end();  // another match begins at once
+  if (is_recording && now.match != rule_.number()) end();  // another match has begun
   if (recording().started_by == StartedBy::kNobody) {
     if (wish == MatchRule::Wish::kPause) return;
     try {
       begin(StartedBy::kGameController, rule_.name());
     } catch (const StorageError& error) {
       log::error("{}; the match is not recorded", error.what());
-      leave_match_out(kEndedEarly);  // or it would be tried five times a second
+      leave_match_out(kEndedEarly);  // otherwise it would retry five times a second
       return set_recording({.problem = error.what(), .problem_s = unix_time_s()});
     }
   }
@@ -220,7 +220,7 @@ void RecordingService::end(const std::string& problem) {
   try {
     files_.end(before.file, status.problem.empty());
   } catch (const StorageError& error) {
-    log::warning("{}", error.what());  // it is looked at again, and is whole
+    log::warning("{}", error.what());  // the log is complete; look_after() removes the mark
   }
   log::info("match log {} ends: {} messages, {} bytes, {} lost, {} refused, {} left out for lack of room",
             before.name(), status.vision + status.referee + status.tracked, status.bytes, status.lost,
@@ -236,7 +236,7 @@ std::vector<Route> RecordingService::routes() {
   Route download{"GET", kLog, [this](const Request& request) { return get_log(request); }};
   download.streams = true;
   return {{"GET", "/api/recordings", [this](const Request&) { return json_response(to_json()); }},
-          // Also while a match locks the settings: that is when somebody wants a recording.
+          // Allowed while a match locks the settings, because users want recordings during matches.
           {"POST", "/api/recordings/match-log",
            [this](const Request& request) { return put_match_log(request); }, Needs::kChange},
           {"GET", "/api/recordings/logs/([^/]+)/events",
@@ -296,7 +296,7 @@ Response RecordingService::put_match_log(const Request& request) {
     begin(StartedBy::kHand, name);
   } else {
     if (!is_recording) throw HttpError(409, "no match log is being recorded");
-    // A log by hand says nothing of the match that may have begun meanwhile.
+    // Ending a log that was started by hand does not affect the match, which may have begun meanwhile.
     if (recording().started_by == StartedBy::kGameController)
       leave_match_out(fmt::format("{} stopped its log", request.address));
     end();

@@ -21,13 +21,14 @@
 
 namespace sslv {
 
-/// Records matches as logs of the league, started by the game controller or by hand, and keeps them within
-/// the room that they may take.
+/// Records matches as logs in the league's format, started by the game controller or by hand, and keeps
+/// recordings within their quota.
 class RecordingService final : public Service {
  public:
   using IsOwn = std::function<bool(const boost::asio::ip::udp::endpoint& sender)>;
 
-  /// All must outlive this. `is_own`: whether this service sends from there; called from threads that listen.
+  /// All must outlive this. `is_own`: whether this service sends from that address; called from receiver
+  /// threads.
   RecordingService(const Snapshot<Config>& config, RecordingFiles& files, const RefereeListener& referee,
                    IsOwn is_own);
 
@@ -46,12 +47,12 @@ class RecordingService final : public Service {
   struct Recording {
     StartedBy started_by = StartedBy::kNobody;  // nobody: nothing is recorded
     bool is_paused = false;
-    int match = 0;  // number of the rule's match when it began
+    int match = 0;  // MatchRule::number() when it began
     std::filesystem::path file{};
     std::string name() const { return file.filename().string(); }
     double begin_s = 0;
-    std::string problem{};  // why the last one could not begin, or ended early
-    double problem_s = 0;   // when that was
+    std::string problem{};  // why the last log could not begin, or ended early
+    double problem_s = 0;   // Unix time of `problem`
   };
 
   bool is_ours(std::int32_t type, const boost::asio::ip::udp::endpoint& sender) const;
@@ -61,7 +62,7 @@ class RecordingService final : public Service {
   // With control_mutex_ held:
   void begin(StartedBy by, const std::string& name);
   void end(const std::string& problem = {});
-  /// The match that runs is not recorded again, for this reason.
+  /// Excludes the current match from recording, for this reason.
   void leave_match_out(const std::string& why);
 
   Recording recording() const;
@@ -81,14 +82,14 @@ class RecordingService final : public Service {
   const IsOwn is_own_;
   MatchLogRecorder recorder_;
   EventQueue events_;
-  std::mutex control_mutex_;  // for what begins and ends recordings, which may wait for the disk
+  std::mutex control_mutex_;  // serializes starting and ending recordings, which may wait for the disk
   MatchRule rule_;
-  mutable std::mutex mutex_;  // guards the next ones
+  mutable std::mutex mutex_;  // guards the members below
   Recording recording_;
-  std::string no_room_problem_;   // why no log could begin; empty when one could
-  std::string quota_problem_;     // why recordings take more than their quota; empty when they do not
-  std::string left_out_;          // why the match that runs is not recorded any more; empty: it may be
-  std::jthread keeper_, thread_;  // last: they use the others
+  std::string no_room_problem_;   // why no log could begin; empty: a log can begin
+  std::string quota_problem_;     // why recordings exceed their quota; empty: they do not
+  std::string left_out_;          // why the current match is excluded; empty: it is not
+  std::jthread keeper_, thread_;  // last: both threads use the members above
 };
 
 }  // namespace sslv

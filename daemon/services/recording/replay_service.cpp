@@ -27,7 +27,7 @@ constexpr std::array<std::string_view, 3> kWithNames{"recorded_settings", "setti
 constexpr std::array<const char*, 4> kStateNames{"idle", "running", "done", "failed"};
 constexpr int kMaxPlace = 100'000'000;
 constexpr double kKeptOpen_s = 60;
-constexpr std::chrono::seconds kCloseInterval{1};  // for what is to be closed
+constexpr std::chrono::seconds kCloseInterval{1};  // for closing unused recordings
 
 const char* name_of(ClipDifference::Kind kind) {
   switch (kind) {
@@ -68,7 +68,7 @@ Json frames_json(const ClipReader& clip) {
           {"cameras", std::move(cameras)}};
 }
 
-/// The frame that a request names, while it lies in the reader's memory. Throws HttpError and ClipError.
+/// The frame that a request names; valid until the reader's next read(). Throws HttpError and ClipError.
 const ClipFrame& frame_of(ClipReader& clip, const Request& request) {
   const int place = read_whole_number("frame", request.matches.at(2), 0, kMaxPlace);
   if (static_cast<std::size_t>(place) >= clip.entries().size())
@@ -97,7 +97,7 @@ std::vector<Route> ReplayService::routes() {
           {"GET", R"(/api/recordings/clips/([^/]+)/frames/(\d+))", call(&ReplayService::get_frame)},
           {"GET", R"(/api/recordings/clips/([^/]+)/frames/(\d+)/picture)", call(&ReplayService::get_picture)},
           {"GET", "/api/recordings/logs/([^/]+)/at", call(&ReplayService::get_moment)},
-          // Also while a match locks the settings: it changes none.
+          // Allowed while a match locks the settings: it changes no settings.
           {"POST", "/api/recordings/clips/([^/]+)/compare", call(&ReplayService::start_comparison),
            Needs::kChange},
           {"GET", "/api/recordings/compare",
@@ -116,7 +116,7 @@ std::shared_ptr<ReplayService::Open<Reader>> ReplayService::opened(std::vector<O
                                                                    const RecordingFile& file) {
   std::error_code error;
   const auto written = std::filesystem::last_write_time(files_.path_of(file.name), error);
-  OpenOne<Reader> evicted;  // goes after the lock: that may wait for the disk
+  OpenOne<Reader> evicted;  // destroyed after the lock is released: closing may wait for the disk
   const std::lock_guard lock(open_mutex_);
   const auto found = std::ranges::find_if(list, [&](const auto& one) {
     return one.name == file.name && one.bytes == file.bytes && one.written == written;
@@ -134,8 +134,8 @@ std::shared_ptr<ReplayService::Open<Reader>> ReplayService::opened(std::vector<O
   return list.front().open;
 }
 
-/// What nobody looks at any more, or was removed, keeps neither memory nor the disk's. The lock is not held
-/// while the disk is asked or a reader ends: a disk that hangs holds up nobody else.
+/// Closes unused and removed recordings, to free their memory and disk space. Does not hold the lock while it
+/// accesses the disk or destroys a reader: a disk that hangs delays no other request.
 template <class Reader>
 void ReplayService::close_unused(std::vector<OpenOne<Reader>>& list) {
   std::vector<OpenOne<Reader>> all;
@@ -197,12 +197,13 @@ Response ReplayService::get_picture(const Request& request) {
 }
 
 Response ReplayService::get_moment(const Request& request) {
-  constexpr double kMost_s = 1e6;
+  constexpr double kMax_s = 1e6;
   const auto text = request.query.find("time_s");
   if (text == request.query.end()) throw HttpError(400, "time_s: expected s since the log's beginning");
-  const double at_s = read_number("time_s", text->second, 0, kMost_s);
+  const double at_s = read_number("time_s", text->second, 0, kMax_s);
   const RecordingFile file = find(request, RecordingFile::Kind::kMatchLog);
-  // Made by a thread that has the time: a log may be long, or made to unpack to no end.
+  // Only RecordingService's thread makes the index: a log may be long, or may have been crafted to unpack
+  // endlessly.
   if (!file.index && !file.problem.empty()) throw HttpError(422, file.problem);
   if (!file.index) throw HttpError(409, "it is still being read; try again in a moment");
   const auto open = opened(logs_, file);
@@ -242,7 +243,7 @@ Response ReplayService::start_comparison(const Request& request) {
     order.frames = camera->frames.size();
     return Response{};
   });
-  // Tables that the service keeps are taken from it: a clip's reader knows no such names.
+  // Take tables from the running service: the replay cannot load saved tables by name.
   if (order.with == With::kSettingsNow) order.table = cameras_.get(order.camera_id).context().adapted_lut;
   if (order.with == With::kLearntColors) {
     order.table = learnt_table_(order.camera_id);
@@ -315,7 +316,7 @@ Json ReplayService::compared(const Comparison& order, const std::stop_token& sto
   const DifferenceCounts &robots = comparison.robots(), &balls = comparison.balls();
   Json differences = Json::array();
   const ClipReader::Camera& camera = *clip.camera(static_cast<std::uint32_t>(order.camera_id));
-  std::size_t at = 0;  // of the camera's frames, which come in the same order
+  std::size_t at = 0;  // index in the camera's frames, which are in the same order
   const double begin_s = clip.entries().front().t_capture_s;
   for (const FrameDifferences& frame : comparison.different_frames()) {
     while (at + 1 < camera.frames.size() && clip.entries()[camera.frames[at]].number != frame.number) ++at;

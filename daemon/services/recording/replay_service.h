@@ -22,12 +22,12 @@
 
 namespace sslv {
 
-/// Shows recordings in the panel, frame by frame: clients say which one they want and keep the time
-/// themselves. Compares what a clip's frames give with other settings to what they gave live, in a thread of
+/// Serves recordings to the panel frame by frame: clients select the frame and keep track of the time. Also
+/// compares detections made with other settings in a clip's frames with the live detections, in a thread of
 /// low priority.
 class ReplayService final : public Service {
  public:
-  /// A colour table of that camera that waits to be accepted; null: there is none.
+  /// The camera's learnt colour table that is not accepted yet; null: there is none.
   using LearntTable = std::function<std::shared_ptr<const Lut>(int camera_id)>;
 
   /// All must outlive this.
@@ -39,16 +39,16 @@ class ReplayService final : public Service {
   std::vector<Route> routes() override;
 
  private:
-  /// A recording that clients look at, kept open for a while.
+  /// A recording in use by clients, kept open for a while.
   template <class Reader>
   struct Open {
-    std::mutex mutex;  // one client at a time opens and reads; guards the next one
+    std::mutex mutex;  // one client at a time opens and reads; guards `reader`
     std::unique_ptr<Reader> reader{};
   };
   template <class Reader>
   struct OpenOne {
     std::string name;
-    // Another file may have come in its place.
+    // Size and time show whether the file was replaced.
     std::uint64_t bytes = 0;
     std::filesystem::file_time_type written{};
     double used_s = 0;  // on the steady clock
@@ -60,7 +60,7 @@ class ReplayService final : public Service {
   template <class Reader>
   void close_unused(std::vector<OpenOne<Reader>>& list);
   void close_unused();
-  /// use(reader), which is opened when nobody has yet. Throws HttpError for one that cannot be read.
+  /// Returns use(reader); opens the reader first if necessary. Throws HttpError if the clip cannot be read.
   template <class Use>
   Response with_clip(const RecordingFile& file, const std::stop_token& stop, const Use& use);
 
@@ -94,11 +94,11 @@ class ReplayService final : public Service {
   std::mutex open_mutex_;  // guards the next two
   std::vector<OpenOne<ClipReader>> clips_;
   std::vector<OpenOne<MatchMoments>> logs_;
-  mutable std::mutex mutex_;  // guards the next one
+  mutable std::mutex mutex_;  // guards comparison_
   Comparison comparison_;
   std::condition_variable_any ordered_;
-  double looked_s_ = 0;  // when unused ones were closed, on the steady clock; the thread's own
-  std::jthread thread_;  // last: it uses the others
+  double looked_s_ = 0;  // when unused recordings were last closed, on the steady clock; used by the thread
+  std::jthread thread_;  // last: the thread uses the members above
 };
 
 }  // namespace sslv

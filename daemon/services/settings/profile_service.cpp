@@ -24,7 +24,7 @@ Json entry_json(const Profile& profile) {
   throw HttpError(404, "no profile " + to_text(name));
 }
 
-/// It may be older than this program, and newer.
+/// Converts the profile to this program's settings version: an older or newer program may have saved it.
 Json complete_settings_of(const Profile& profile) {
   try {
     Json tree = profile.settings;
@@ -35,14 +35,14 @@ Json complete_settings_of(const Profile& profile) {
   }
 }
 
-/// Throws SettingsError for what is no place of either tree.
+/// Throws SettingsError for a path that exists in neither tree.
 void check_paths(const std::vector<std::string>& paths, const Json& before, const Json& after) {
   for (const std::string& path : paths) {
     bool is_place = false;
     try {
       const Json::json_pointer pointer(path);
       is_place = before.contains(pointer) || after.contains(pointer);
-    } catch (const Json::exception&) {  // no JSON Pointer
+    } catch (const Json::exception&) {  // not a JSON Pointer
     }
     if (!is_place) {
       throw SettingsError(fmt::format(
@@ -51,7 +51,8 @@ void check_paths(const std::vector<std::string>& paths, const Json& before, cons
   }
 }
 
-/// The one member that a body may have; nothing when there is none.
+/// Returns member `key` of the body, which may have no other member; nothing if the body is empty. Throws
+/// HttpError 400.
 std::optional<Json> only_member(const Request& request, const char* key, const char* expected) {
   const Json body = body_json(request);
   if (body.is_object() && body.empty()) return std::nullopt;
@@ -131,7 +132,7 @@ Response ProfileService::apply(const Request& request) {
     changes = changes_below(changes, *paths);
   }
   if (!changes.empty() || if_revision.value_or(version.revision) != version.revision) {
-    // The changes were made against this very revision.
+    // The changes were computed for exactly this revision.
     version = settings_.patch(
         forward_patch(changes),
         {request.address, if_revision.value_or(version.revision), fmt::format("profile {}", name)});

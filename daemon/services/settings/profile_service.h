@@ -10,7 +10,7 @@
 
 namespace sslv {
 
-/// Settings that are kept under a name.
+/// Saves and applies profiles, that is, settings saved under a name.
 class ProfileService final : public Service {
  public:
   /// Both must outlive this.

@@ -10,7 +10,7 @@
 namespace sslv {
 namespace {
 
-/// The longest place that all lie in; empty: the whole tree.
+/// The longest path that contains all places; empty: the whole tree.
 std::string common_place(const std::vector<std::string>& places) {
   std::string common = places.front();
   for (const std::string& place : places) {

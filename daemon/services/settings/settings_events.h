@@ -6,7 +6,7 @@
 
 namespace sslv {
 
-/// A step of the settings for the history of events: what was done, and the first of the places it changed.
+/// Event for a step of the settings; its title names the action and the first places that the action changed.
 Event event_of(const SettingsStep& step);
 
 }  // namespace sslv

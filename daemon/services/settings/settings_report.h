@@ -7,15 +7,15 @@
 
 namespace sslv {
 
-/// What is wrong with the settings and the folder that keeps them; empty where nothing is.
+/// Problems of the settings and of their folder; empty: none.
 struct SettingsFacts {
-  std::string start_problem;   // with what was saved, at start
+  std::string start_problem;   // problem with the saved changes at start
   std::string save_problem;    // why the last file was not saved
-  std::string folder_problem;  // why none can be saved now
-  std::string reload_problem;  // why the settings file was not taken over
+  std::string folder_problem;  // why nothing can be saved at present
+  std::string reload_problem;  // why the settings file was not reloaded
 };
 
-/// Adds their alerts, which belong to the check "computer".
+/// Adds alerts for these problems; the alerts belong to the check "computer".
 void report_settings(const SettingsFacts& facts, HealthReport& report);
 
 }  // namespace sslv

@@ -10,10 +10,10 @@
 
 namespace sslv {
 
-/// The revision that the request names in If-Match. Throws HttpError 400.
+/// Returns the revision in the request's If-Match header; nothing without one. Throws HttpError 400.
 std::optional<std::uint64_t> if_match_of(const Request& request);
 
-/// docs/openapi.json's answer to what was saved.
+/// Answer to a request that saved settings, as in docs/openapi.json.
 Json saved_json(const SettingsStore::Version& version);
 
 Json field_presets_json();

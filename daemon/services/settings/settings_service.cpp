@@ -24,13 +24,13 @@ CheckedSettings check_tree(const Json& settings) {
   return {params_to_json(*config), std::move(config)};
 }
 
-/// A change for the log; all of a long one is in the settings' history.
+/// Shortens a change for the log; the settings' history has all of it.
 std::string in_short(const Json& patch) {
   constexpr std::size_t kMaxBytes = 300;
   std::string text = escaped_text(patch.dump(-1, ' ', false, Json::error_handler_t::replace));
   if (text.size() <= kMaxBytes) return text;
   std::size_t end = kMaxBytes;
-  while ((static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;  // whole characters of UTF-8
+  while ((static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;  // do not split a UTF-8 character
   return text.substr(0, end) + " ...";
 }
 
@@ -44,7 +44,7 @@ std::string indented(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-/// An edit of an older revision is the client's mistake, who is told what has changed since.
+/// Answers an edit of an older revision with HttpError 409 and the changes since.
 template <class Act>
 SettingsStore::Version answering_stale(Act act) {
   try {
@@ -116,7 +116,7 @@ SettingsStore::Version SettingsService::change(
     if (is_saved) with->take_back();
     throw;
   }
-  // Whatever waits for a device waits here, where it keeps nobody else from changing settings.
+  // Waits for devices here, where it blocks no other change of settings.
   for (const Plan& plan : *plans) {
     for (std::string& refusal : plan.outcome()) {
       log::warning("settings revision {}: {}", version.revision, refusal);
@@ -149,7 +149,7 @@ SettingsStore::Version SettingsService::patch(const Json& patch, const SettingsE
 
 Json SettingsService::check(const Json& patch) {
   return store_.check(patch, [this](const CheckedSettings& next) {
-    plan_all(next, SettingsChange::Origin::kNetwork);  // and no more
+    plan_all(next, SettingsChange::Origin::kNetwork);  // a dry run ends here
   });
 }
 

@@ -17,22 +17,22 @@
 
 namespace sslv {
 
-/// Carries out changes of settings: checked and read once, planned by all services, saved, applied.
+/// Changes settings: validates and reads them once, plans with all services, saves, applies.
 class SettingsService final : public Service, public SettingsEditor {
  public:
-  /// `file_folders`: where settings that come over the network may name files, besides those of the service
-  /// itself. `folder` must outlive this. Throws SettingsError.
+  /// `file_folders`: folders in which settings from the network may name files, besides the service's own
+  /// folders. `folder` must outlive this. Throws SettingsError.
   SettingsService(const std::filesystem::path& settings_file, StateFolder& folder,
                   std::vector<std::filesystem::path> file_folders);
 
-  /// Those in effect. Lives as long as this.
+  /// The settings in effect. Valid as long as this object.
   const Snapshot<Config>& config() const { return config_; }
 
-  /// These plan and apply every change, in this order; the settings in effect are their first. They must
-  /// outlive all requests, which come later. Throws SettingsError.
+  /// From now on, `services` plan and apply every change, in this order, beginning with the settings in
+  /// effect. Call it before the first request; `services` must outlive all requests. Throws SettingsError.
   void start(std::vector<Service*> services);
 
-  /// Reads the admin's file again and applies it; logs what came of it.
+  /// Reloads the admin's file and applies it; logs the result.
   void reload();
 
   // SettingsEditor
@@ -54,10 +54,11 @@ class SettingsService final : public Service, public SettingsEditor {
 
  private:
   std::vector<Plan> plan_all(const CheckedSettings& next, SettingsChange::Origin origin) const;
-  /// See SettingsStore::GetReady. `plans`: what came of plan_all().
+  /// See SettingsStore::GetReady. `plans` receives the result of plan_all().
   Apply get_ready(const CheckedSettings& next, SettingsChange::Origin origin,
                   const std::shared_ptr<std::vector<Plan>>& plans);
-  /// Files that belong to it are saved with it. `act` makes it, given what gets it ready.
+  /// `act` makes the change, given the function that prepares it. The files of `with` are saved together with
+  /// the change.
   SettingsStore::Version change(
       SettingsChange::Origin origin, SavedWith* with,
       const std::function<SettingsStore::Version(const SettingsStore::GetReady&)>& act);
@@ -70,9 +71,9 @@ class SettingsService final : public Service, public SettingsEditor {
   SettingsStore store_;
   Snapshot<Config> config_;
   std::vector<Service*> services_;
-  std::uint64_t told_revision_;           // of the newest step that was an event
+  std::uint64_t told_revision_;           // revision of the newest step reported as an event
   std::atomic<double> since_s_{0};        // Unix time when the newest settings took effect
-  Snapshot<std::string> folder_problem_;  // as it was seen last: looking may take as long as the disk does
+  Snapshot<std::string> folder_problem_;  // updated once a second: a check may wait for the disk
 };
 
 }  // namespace sslv

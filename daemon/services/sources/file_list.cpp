@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Entries of any folder that are looked at: enough for an hour of images.
+/// Limit of the entries read from a folder: enough for an hour of images.
 constexpr std::size_t kMaxEntries = 200'000;
 
 bool may_list(const fs::path& path, const std::vector<fs::path>& allowed) {
@@ -30,7 +30,7 @@ Json entry_json(const fs::path& path, const std::string& name, bool is_folder) {
   return {{"name", name}, {"path", path.string()}, {"is_folder", is_folder}};
 }
 
-/// The allowed folders that are there.
+/// Lists the allowed folders that exist.
 Json top_json(const std::vector<fs::path>& allowed) {
   Json entries = Json::array();
   for (const fs::path& folder : allowed) {
@@ -41,7 +41,7 @@ Json top_json(const std::vector<fs::path>& allowed) {
       {"folder", ""}, {"parent", nullptr}, {"images", 0}, {"entries", std::move(entries)}, {"left_off", 0}};
 }
 
-/// The folder above, "" for the list of allowed ones.
+/// The parent folder; "" if that is the list of allowed folders.
 std::string parent_of(const fs::path& folder, const std::vector<fs::path>& allowed) {
   const fs::path parent = folder.parent_path();
   return parent != folder && may_list(parent, allowed) ? parent.string() : "";
@@ -77,7 +77,7 @@ Json list_files(const fs::path& folder, const std::vector<fs::path>& allowed) {
     const bool is_folder = i->is_directory(gone);
     const RecordingKind kind = recording_kind(i->path());
     if (!is_folder && (kind == RecordingKind::kOther || !i->is_regular_file(gone))) continue;
-    // Only a link may lead out.
+    // Only a link can lead out of the allowed folders.
     if (i->is_symlink(gone) && !may_list(i->path(), allowed)) continue;
     if (!is_folder && (kind == RecordingKind::kImage || kind == RecordingKind::kRaw)) ++images;
     entries.push_back({name, is_folder});

@@ -9,13 +9,13 @@
 
 namespace sslv {
 
-/// What a camera's "path" may name in a folder, for somebody who may change settings but may not see this
-/// computer's other files: folders, and files that the backend "files" reads, by their endings. Nothing
-/// outside `allowed` is listed, wherever a link leads, and nothing whose name the settings would refuse.
-/// `folder` empty: the allowed folders themselves. docs/openapi.json's FileList. Throws SettingsError.
+/// Lists the entries of a folder that a camera's "path" may name: folders, and files that the backend "files"
+/// reads, by extension. For a person who may change settings but must not see this computer's other files:
+/// lists nothing outside `allowed`, wherever links lead, and no name that the settings would refuse. `folder`
+/// empty: lists the allowed folders. Returns FileList of docs/openapi.json. Throws SettingsError.
 Json list_files(const std::filesystem::path& folder, const std::vector<std::filesystem::path>& allowed);
 
-/// Of a folder; the others are counted.
+/// Limit for a folder; further entries are only counted.
 inline constexpr std::size_t kMaxListedFiles = 500;
 
 }  // namespace sslv

@@ -18,11 +18,11 @@ namespace {
 
 constexpr std::chrono::seconds kPatience(10), kPatienceWithOthers(1);
 constexpr double kFirstImageWithin_s = 6;
-/// Then the exposure has settled: a webcam's first images are dark.
+/// Time for the exposure to settle: a webcam's first images are dark.
 constexpr double kSettles_s = 0.5;
 constexpr int kQuality = 80;
 
-/// The image that a camera shows soon after its opening.
+/// Returns the image that a camera shows soon after it was opened.
 CapturedImage wait_image(Source& camera) {
   const double opened_s = steady_s();
   std::optional<double> first_s;

@@ -12,18 +12,17 @@
 
 namespace sslv {
 
-/// Opens cameras that the settings do not have, each for one image: in a thread of its own that is waited for
-/// only so long, one at a time of each backend. A driver that hangs keeps only its own backend's cameras
-/// away. May be used from any thread.
+/// Opens cameras that are not in the settings, each for one image: on a separate thread with a timeout, one
+/// at a time for each backend. A driver that hangs blocks only its own backend's cameras. Thread-safe.
 class SourceImages {
  public:
   SourceImages();
 
-  /// A JPEG of what a complete "source" shows, at most `width_px` wide. Throws CaptureError with one line for
+  /// Returns a JPEG of a complete "source", at most `width_px` wide. Throws CaptureError with one line for
   /// the admin.
   std::vector<std::uint8_t> take(const Json& source, const Scene& scene, int width_px) const;
 
-  /// Nobody waits for an image any more.
+  /// Makes all calls that wait for images fail.
   void ask_to_stop() {
     for (const auto& [backend, calls] : calls_) calls.ask_to_stop();
   }

@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kMaxImageWidth_px = 2048;
 
-/// Only one program can have such a camera open.
+/// Whether only one program can have such a camera open.
 bool is_exclusive(const Json& source) {
   return source.at("backend") != "files" && source.at("backend") != "simulator";
 }

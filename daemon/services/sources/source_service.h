@@ -16,11 +16,11 @@
 
 namespace sslv {
 
-/// What a camera can be made of: cameras that are found, and one image of each before it is added; files of
-/// this computer that the settings may name; images that are uploaded.
+/// Offers sources for a camera of the settings: connected cameras, with an image of each before it is added;
+/// files of this computer that the settings may name; uploaded images.
 class SourceService final : public Service {
  public:
-  /// `file_folders`: where settings that come over the network may name files. All must outlive this.
+  /// `file_folders`: folders in which settings from the network may name files. All must outlive this.
   SourceService(StateFolder& folder, SettingsEditor& settings, const Cameras& cameras,
                 std::vector<std::filesystem::path> file_folders);
 
@@ -38,12 +38,13 @@ class SourceService final : public Service {
   Response upload_image(const Request& request);
   Response remove_images(const Request& request);
 
-  /// A source that the request may open, complete, without controls that would change a camera. Throws
-  /// SettingsError.
+  /// Returns the complete source if the request may open it. Leaves out its controls, because setting them
+  /// would change a camera. Throws SettingsError.
   Json allowed_source(const Json& source) const;
-  /// The id of the camera in the settings that has this one open.
+  /// Returns the id of the camera in the settings that uses the same device as `source`; nothing if none
+  /// does.
   std::optional<int> user_of(const Json& source, std::span<const FoundCamera> found) const;
-  /// The cameras that were found last, or now if `source` is not among them.
+  /// Returns the cameras found last; searches again if `source` is not among them.
   std::vector<FoundCamera> found_with(const Json& source);
 
   SettingsEditor& settings_;
@@ -51,7 +52,7 @@ class SourceService final : public Service {
   const std::vector<std::filesystem::path> file_folders_;
   SourceImages source_images_;
   std::mutex found_mutex_;
-  std::vector<FoundCamera> found_;  // when somebody asked last
+  std::vector<FoundCamera> found_;  // result of the last search
   UploadedImages uploaded_;
 };
 

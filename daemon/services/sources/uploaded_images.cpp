@@ -23,7 +23,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFolderName = "images";
 constexpr std::size_t kMaxNameBytes = 100;
-/// Where an image is tried before it is one: not among the others, which a camera may be showing.
+/// Folder in which an upload is tested before it is saved. It is separate from the saved images, because a
+/// camera may be showing these.
 constexpr const char* kTrialName = ".trial";
 
 void check_name_of_file(std::string_view key, const std::string& name) {
@@ -53,7 +54,8 @@ ImageType type_by_name(const std::string& name) {
   return ending == ".png" ? ImageType::kPng : ImageType::kOther;
 }
 
-/// By its header, before memory is taken for it; 0 when that says nothing.
+/// Returns the number of pixels according to the image's header, before memory is allocated for the image; 0
+/// if the header does not give it.
 std::int64_t pixels_of(std::string_view bytes, ImageType type) {
   const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
   if (type == ImageType::kJpeg) {
@@ -62,7 +64,7 @@ std::int64_t pixels_of(std::string_view bytes, ImageType type) {
     const ImageView layout = decoder.layout({data, bytes.size()}, ignored);
     return std::int64_t{layout.width} * layout.height;
   }
-  // PNG's first chunk, IHDR: its length, its name, width and height with the highest byte first.
+  // PNG's first chunk, IHDR: its length, its name, then width and height, big-endian.
   constexpr std::size_t kNameAt = 12, kWidthAt = 16, kEnd = 24;
   if (bytes.size() < kEnd || bytes.substr(kNameAt, 4) != "IHDR") return 0;
   const auto number = [&](std::size_t at) {
@@ -70,7 +72,7 @@ std::int64_t pixels_of(std::string_view bytes, ImageType type) {
            data[at + 3];
   };
   const std::int64_t width = number(kWidthAt), height = number(kWidthAt + 4);
-  constexpr std::int64_t kMaxSide = 16384;  // of an image that anything here takes
+  constexpr std::int64_t kMaxSide = 16384;  // no code here accepts a larger image
   return width > kMaxSide || height > kMaxSide ? kMaxSide * kMaxSide : width * height;
 }
 
@@ -88,7 +90,7 @@ class RemovedAtEnd {
   const fs::path file_;
 };
 
-/// Throws std::runtime_error as the camera would that shows it.
+/// Reads the image like a camera that shows it. Throws std::runtime_error if the image cannot be read.
 void read_as_camera(const fs::path& file) {
   PicturePool pool;
   Image image;
@@ -114,7 +116,7 @@ UploadedImages::Folder look_into(const fs::path& path) {
 
 UploadedImages::UploadedImages(StateFolder& folder) : state_(folder), path_(folder.path() / kFolderName) {
   std::error_code ignored;
-  fs::remove_all(path_ / kTrialName, ignored);  // of a service that was killed
+  fs::remove_all(path_ / kTrialName, ignored);  // left by a service that was killed
 }
 
 fs::path UploadedImages::path_of(const std::string& folder) const {
@@ -137,7 +139,7 @@ std::vector<UploadedImages::Folder> UploadedImages::folders() const {
 void UploadedImages::check_room(const fs::path& file, std::size_t bytes) const {
   const std::vector<Folder> all = folders();
   std::error_code error;
-  const std::uintmax_t old = fs::file_size(file, error);  // which it takes the place of
+  const std::uintmax_t old = fs::file_size(file, error);  // size of the file that is replaced
   const bool is_new = static_cast<bool>(error);
   std::uintmax_t sum = bytes - (is_new ? 0 : old);
   for (const Folder& folder : all) sum += folder.bytes;

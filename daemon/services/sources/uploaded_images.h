@@ -17,22 +17,22 @@ namespace sslv {
 
 class StateFolder;
 
-/// Images that somebody has sent: folders in images/ of the state folder, for the backend "files" to show.
-/// Few, small and of the kinds that it reads, so that nobody can fill the disk. May be used from any thread.
+/// Uploaded images: folders in images/ of the state folder, for the backend "files" to show. Their number,
+/// size and types are limited, so that nobody can fill the disk. Thread-safe.
 class UploadedImages {
  public:
   static constexpr std::size_t kMaxImageBytes = 16 * 1024 * 1024;
-  static constexpr std::size_t kMaxFolders = 20, kMaxImages = 500;  // images of a folder
-  static constexpr std::uintmax_t kMaxBytes = 512 * 1024 * 1024;    // of all
+  static constexpr std::size_t kMaxFolders = 20, kMaxImages = 500;  // kMaxImages: per folder
+  static constexpr std::uintmax_t kMaxBytes = 512 * 1024 * 1024;    // of all images together
   static constexpr std::int64_t kMaxPixels = 32'000'000;
 
   explicit UploadedImages(StateFolder& folder);
 
-  /// Saves an image, in the place of one with the same name. On disk when it returns. Throws SettingsError
-  /// with one line when it is not allowed, and StorageError.
+  /// Saves an image, replacing an image of the same name; the file is on disk on return. Returns its folder.
+  /// Throws SettingsError with one line if it is not allowed, and StorageError.
   std::filesystem::path save(const std::string& folder, const std::string& name, std::string_view bytes);
 
-  /// Removes a folder with its images. False when it is not there. Throws SettingsError and StorageError.
+  /// Removes a folder with its images. False if it does not exist. Throws SettingsError and StorageError.
   bool remove(const std::string& folder);
 
   struct Folder {
@@ -41,13 +41,14 @@ class UploadedImages {
     std::size_t images = 0;
     std::uintmax_t bytes = 0;
   };
-  /// By their names.
+  /// Sorted by name.
   std::vector<Folder> folders() const;
 
-  /// An image that is being decoded in save() is not waited for any more: it is refused.
+  /// Makes save() refuse an image that it is decoding, instead of waiting for the decoder.
   void ask_to_stop() const { decoding_.ask_to_stop(); }
 
-  /// Where a folder of this name is, or would be. Throws SettingsError for a name that is not allowed.
+  /// Returns the path of a folder of this name, which may not exist. Throws SettingsError for an invalid
+  /// name.
   std::filesystem::path path_of(const std::string& folder) const;
 
  private:

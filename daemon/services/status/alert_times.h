@@ -12,11 +12,11 @@
 
 namespace sslv {
 
-/// Remembers since when alerts have been there. May be used from any thread.
+/// Records the times at which active alerts began. Thread-safe.
 class AlertTimes {
  public:
-  /// Fills in `since_s`: of one that was not there the last time, now. How long one has been there is known
-  /// by a steady clock, whatever becomes of the other.
+  /// Fills in `since_s`: the current time for an alert that was not active at the last call. Durations are
+  /// measured on the steady clock, so that setting the system clock does not change them.
   void stamp(std::vector<Alert>& alerts, double now_s, double steady_s);
 
  private:

@@ -50,7 +50,7 @@ void report_computer(const ComputerFigures& computer, const std::optional<ClockF
                              .fix = std::move(fix),
                              .page = page});
   };
-  // A clock that no other vision's is compared with may be wrong: teams get all times from one clock then.
+  // Without another vision, this computer's clock may be wrong, because teams get all times from this clock.
   if (report.another_host_sends && clock && !clock->synchronised) {
     warn("clock_not_synchronised", "clock",
          "This computer's clock is not synchronised, and another vision sends times too",

@@ -11,11 +11,11 @@
 
 namespace sslv {
 
-/// Adds their alerts and the checks "clock" and "computer".
+/// Adds alerts and the checks "clock" and "computer".
 void report_computer(const ComputerFigures& computer, const std::optional<ClockFigures>& clock,
                      HealthReport& report);
 
-/// docs/openapi.json's Diagnostics: "system" and "clock".
+/// "system" and "clock" of docs/openapi.json's Diagnostics.
 Json computer_json(const ComputerFigures& computer);
 Json clock_json(const std::optional<ClockFigures>& clock);
 

@@ -14,9 +14,9 @@
 namespace sslv {
 namespace {
 
-/// A clock that is being adjusted differs by less from one second to the next.
+/// A clock that is being adjusted changes by less than this from one second to the next.
 constexpr double kShift_s = 0.1;
-/// What people should know of.
+/// Changes of the clock by at least this much are shown to users.
 constexpr double kClockWasSet_s = 2;
 
 std::string kept_text(const std::string& text) {
@@ -79,7 +79,7 @@ void EventHistory::see(Entry& entry, const Alert& alert, Now now) {
   }
   entry.seen_s = now.steady_s;
   entry.end_s = now.unix_s;
-  // What it was at its worst, in its newest words.
+  // Keeps the worst severity, with the newest title at that severity.
   if (alert.severity > entry.severity) return;
   if (alert.severity < entry.severity) ++changes_;
   entry.severity = alert.severity;
@@ -92,7 +92,8 @@ void EventHistory::add(const Event& event, Now now) {
   bool is_newest = true;
   const auto found = std::find_if(entries_.rbegin(), entries_.rend(), [&](const Entry& entry) {
     if (entry.is_alert) return false;
-    // Of an earlier run only its last one: a service that dies again and again makes one entry of it.
+    // Of entries of earlier runs, only the newest is continued, so that a service that crashes repeatedly
+    // gets one entry.
     if (!std::exchange(is_newest, false) && !entry.is_of_this_run) return false;
     const double ago_s =
         entry.is_of_this_run ? now.steady_s - entry.seen_s : std::abs(now.unix_s - entry.end_s);
@@ -124,7 +125,7 @@ void EventHistory::notice_clock(Now now) {
   const double set_by_s = ahead_s - std::exchange(ahead_s_, ahead_s).value_or(ahead_s);
   if (std::abs(set_by_s) < kShift_s) return;
   for (Entry& entry : entries_) {
-    if (!entry.is_of_this_run) continue;  // its times were right, or nobody knows
+    if (!entry.is_of_this_run) continue;  // its times were right, or cannot be known
     entry.begin_s += set_by_s;
     entry.end_s += set_by_s;
   }
@@ -143,7 +144,7 @@ void EventHistory::prune(Now now) {
   const std::size_t before = entries_.size();
   std::erase_if(entries_, is_old);
   while (entries_.size() > kMaxEntries) {
-    // The oldest that has ended; only where all are there, the oldest.
+    // Drops the oldest ended entry; if all entries are open, the oldest entry.
     const auto ended =
         std::find_if(entries_.begin(), entries_.end(), [](const Entry& entry) { return !entry.is_open; });
     entries_.erase(ended == entries_.end() ? entries_.begin() : ended);
@@ -217,7 +218,7 @@ void EventHistory::load(const Json& saved, Now now) {
       if (one.at("end").is_null()) entry.ended_by = "the service ended";
       entry.seq = ++newest_seq_;
       entries_.push_back(std::move(entry));
-    } catch (const std::exception&) {  // no entry
+    } catch (const std::exception&) {  // not an entry
     }
   }
   prune(now);

@@ -14,37 +14,40 @@
 
 namespace sslv {
 
-/// Alerts and events of the last day: when, how long, what. It looks at the alerts once a second, as they are
-/// then; the caller says what time it is. No locks, no files.
+/// Alerts and events of the last day, with their times, durations and titles. look() gets the current alerts
+/// once a second; the caller provides the time. No locks, no files.
 class EventHistory {
  public:
   static constexpr double kKept_s = 24 * 3600;
   static constexpr std::size_t kMaxEntries = 500, kMaxTextBytes = 300;
-  /// An alert that is gone for less is still the same; what is gone for longer has ended.
+  /// An alert has ended when it has been gone for this long.
   static constexpr double kGone_s = 5;
-  /// One that comes back so soon after its end goes on, and is counted, as do the same events.
+  /// An alert that returns this soon after its end continues its entry, whose count is incremented. The same
+  /// holds for equal events.
   static constexpr double kSame_s = 60;
 
-  /// Unix time, for people; durations come from the steady clock, so that setting the other changes none.
+  /// The current time on two clocks: Unix time for display, and steady time for durations, so that setting
+  /// the system clock does not change these.
   struct Now {
     double unix_s, steady_s;
   };
 
-  /// What is there now. Also notices that the clock was set.
+  /// Updates the entries from the current alerts. Also detects that the clock was set.
   void look(const std::vector<Alert>& alerts, Now now);
   void add(const Event& event, Now now);
-  /// Those that are there end now.
+  /// Ends all open alerts.
   void end_all(Now now);
 
   /// Entries as docs/openapi.json has them, newest first.
   Json entries_json() const;
 
-  /// To be saved; and what load() takes. Whatever is no entry is left out. An alert that was there when it
-  /// was saved has ended: nobody knows when, so at the time of saving.
+  /// to_saved() returns the input for load(). load() skips everything that is not an entry. An alert that was
+  /// open when saved has ended at an unknown time: its end becomes the time of saving.
   Json to_saved() const;
   void load(const Json& saved, Now now);
 
-  /// Goes on with each entry that comes or ends; what only goes on, or says another figure, does not count.
+  /// Increases when an entry begins, ends or becomes more severe, but not when an entry continues or its
+  /// title changes.
   std::uint64_t changes() const { return changes_; }
   bool any_open() const;
 
@@ -56,8 +59,8 @@ class EventHistory {
     Severity severity = Severity::kInfo;
     std::optional<int> camera{};
     double begin_s = 0, end_s = 0;  // Unix time
-    double seconds = 0;             // that it was there, before `came_s`
-    int count = 1;                  // times that it came
+    double seconds = 0;             // duration before `came_s`
+    int count = 1;                  // number of occurrences
     bool is_open = false;
     // On the steady clock, in this run:
     bool is_of_this_run = true;
@@ -74,7 +77,7 @@ class EventHistory {
 
   std::deque<Entry> entries_;  // oldest first
   std::uint64_t newest_seq_ = 0, changes_ = 0;
-  std::optional<double> ahead_s_;  // of the steady clock is the other
+  std::optional<double> ahead_s_;  // offset from steady to Unix time
 };
 
 }  // namespace sslv

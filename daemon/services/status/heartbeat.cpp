@@ -25,7 +25,7 @@ Heartbeat::Heartbeat(std::vector<Service*> services, std::function<std::string()
         std::unique_lock lock(idle);
         auto next = std::chrono::steady_clock::now();
         for (;;) {
-          // At even intervals; seconds that were slept through are left out.
+          // At even intervals; missed seconds are skipped.
           next = std::max(next + std::chrono::seconds(1), std::chrono::steady_clock::now());
           alarm.wait_until(lock, stop, next, [&] { return stop.stop_requested(); });
           if (stop.stop_requested()) return;
@@ -37,7 +37,7 @@ void Heartbeat::beat(const std::stop_token& stop) noexcept {
   const auto call = [](const auto& act) {
     try {
       act();
-    } catch (const std::exception& error) {  // the others are called all the same
+    } catch (const std::exception& error) {  // the other calls are still made
       log::error("once a second: {}", error.what());
     }
   };

@@ -11,17 +11,17 @@
 
 namespace sslv {
 
-/// Calls each_second() of all services once a second, in a thread of low priority, then makes the line that
-/// the service manager shows. What hangs there delays nothing else.
+/// Calls each_second() of all services once a second, on a thread of low priority, then makes the line that
+/// the service manager shows. A call that hangs delays no other thread.
 class Heartbeat {
  public:
   /// Starts at once. All must outlive this.
   Heartbeat(std::vector<Service*> services, std::function<std::string()> make_summary);
 
-  /// Begins what the destructor does, and does not wait for it.
+  /// Starts stopping without waiting; the destructor waits.
   void ask_to_stop() { thread_.request_stop(); }
 
-  /// The newest line. Waits for nothing.
+  /// The newest line. Does not wait.
   std::string summary() const { return *summary_.load(); }
 
  private:
@@ -30,7 +30,7 @@ class Heartbeat {
   const std::vector<Service*> services_;
   const std::function<std::string()> make_summary_;
   Snapshot<std::string> summary_;
-  std::jthread thread_;  // last, so that it ends before what it uses
+  std::jthread thread_;  // last: stops before the members it uses are destroyed
 };
 
 }  // namespace sslv

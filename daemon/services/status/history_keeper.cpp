@@ -16,7 +16,7 @@
 namespace sslv {
 namespace {
 
-/// What a history takes at most, and more: whatever else lies there is none.
+/// Larger than any history: a larger file is not a history.
 constexpr std::uintmax_t kMaxFileBytes = 4 * 1024 * 1024;
 constexpr int kFileVersion = 1;
 
@@ -106,7 +106,7 @@ void HistoryKeeper::keep_saving(const std::stop_token& stop) {
   for (;;) {
     {
       std::unique_lock lock(mutex_);
-      // Woken once a second by look(), whether or not there is anything new.
+      // look() wakes this thread once a second, even if there is nothing new.
       changed_.wait(lock, stop, [this] { return has_started_ && is_due(steady_s()); });
     }
     if (stop.stop_requested()) return;

@@ -15,25 +15,26 @@
 
 namespace sslv {
 
-/// The history of alerts and events, with the file that keeps it over restarts. A thread of its own writes
-/// it, so that a disk that hangs delays nobody: what comes or ends within a few seconds, durations of what
-/// goes on once a minute. May be used from any thread.
+/// The history of alerts and events, with the file that preserves it over restarts. A separate thread writes
+/// the file, so that a disk that hangs delays no other thread: within a few seconds after entries begin or
+/// end, and once a minute while entries are open, to save their durations. Thread-safe.
 class HistoryKeeper {
  public:
   static constexpr const char* kFileName = "events.json";
-  /// Between two writes of the file.
+  /// Minimum times between two writes of the file.
   static constexpr double kLeast_s = 3, kWhileOpen_s = 60, kAfterFailure_s = 30;
 
-  /// Reads the file; one that cannot be used is a line of the log and an empty history.
+  /// Reads the file; if it is not usable, logs that and starts with an empty history.
   explicit HistoryKeeper(const std::filesystem::path& state_folder);
-  /// What is there ends with the service, and is saved; unless the service did not get as far as look().
+  /// Ends all open alerts and saves, unless look() was never called.
   ~HistoryKeeper();
 
-  /// Once a second: what is wrong now, and what was done since. The first time the service has started.
+  /// Call it once a second with the current alerts and the events since the last call. The first call records
+  /// the start of the service.
   void look(const std::vector<Alert>& alerts, const std::vector<Event>& events);
 
   bool has_started() const;
-  /// docs/openapi.json's Events.
+  /// Events of docs/openapi.json.
   Json to_json() const;
 
  private:
@@ -41,20 +42,20 @@ class HistoryKeeper {
   void begin(EventHistory::Now now);
   void keep_saving(const std::stop_token& stop);
   bool is_due(double now_s) const;
-  /// `ended`: nothing comes after it.
+  /// `ended`: this is the last save of this run.
   void save(bool ended);
 
   const std::filesystem::path file_;
-  mutable std::mutex mutex_;  // guards the next ones; never held while the disk is waited for
+  mutable std::mutex mutex_;  // guards the members below; never held while waiting for the disk
   EventHistory history_;
   bool has_started_ = false;
-  bool is_first_ = true;     // no history was there
-  bool ended_well_ = false;  // the run before this one
-  std::string problem_;      // why it was not saved
+  bool is_first_ = true;     // there was no history
+  bool ended_well_ = false;  // the previous run ended normally
+  std::string problem_;      // why the last save failed; empty: it did not
   std::uint64_t saved_changes_ = 0;
-  double saved_s_ = 0;  // when that was tried last, on the steady clock
+  double saved_s_ = 0;  // time of the last attempt, on the steady clock
   std::condition_variable_any changed_;
-  std::jthread thread_;  // last: it uses all the others
+  std::jthread thread_;  // last: the thread uses all members above
 };
 
 }  // namespace sslv

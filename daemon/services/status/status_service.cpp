@@ -61,7 +61,7 @@ StatusService::StatusService(const std::filesystem::path& state_folder, const Ca
 StatusService::~StatusService() {
   if (!history_.has_started()) return;
   try {
-    history_.look(make_report(nullptr).alerts, take_all_events());  // the last second's
+    history_.look(make_report(nullptr).alerts, take_all_events());  // alerts and events of the last second
   } catch (const std::exception& error) {
     log::error("the end of the history: {}", error.what());
   }
@@ -148,7 +148,7 @@ std::vector<Route> StatusService::routes() {
       {"GET", "/api/events", [this](const Request&) { return json_response(history_.to_json()); }},
       {"GET", "/api/diagnostics", [this](const Request&) { return json_response(diagnostics_json()); }},
       {"GET", "/api/log", get_log},
-      // Where monitoring looks for them.
+      // The paths that monitoring tools expect.
       {"GET", "/metrics",
        [this](const Request&) {
          return Response{200, "text/plain; version=0.0.4; charset=utf-8", metrics_text()};
@@ -212,7 +212,7 @@ void StatusService::each_second() {
     computer_ = std::move(computer);
     clock_ = clock;
   }
-  // Also so that a break of an alert is seen while nobody asks.
+  // Also detects interruptions of an alert while nobody requests the status.
   const std::vector<Alert> alerts = make_report(nullptr).alerts;
   history_.look(alerts, take_all_events());
   for (Service* service : services_) service->see_alerts(alerts);

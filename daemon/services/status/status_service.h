@@ -17,19 +17,19 @@
 
 namespace sslv {
 
-/// How the service is, put together of what all services say: status, alerts, checks, metrics, the support
-/// bundle; and this computer itself.
+/// The state of the whole service, from the reports of all services: status, alerts, checks, metrics, the
+/// support bundle; and the state of this computer.
 class StatusService final : public Service, public Topic {
  public:
-  /// All must outlive this. `state_folder`: whose disk is watched, and where the history is kept.
+  /// All must outlive this. `state_folder`: its disk is monitored, and the history is stored in it.
   /// `network_missing`: see NetworkService::missing().
   StatusService(const std::filesystem::path& state_folder, const Cameras& cameras, const WebCounters& web,
                 std::function<std::string()> network_missing);
-  /// All other services are still there.
+  /// All other services must still exist.
   ~StatusService() override;
 
-  /// Who is asked, in the order in which checks are shown; this service itself among them. Before the first
-  /// request.
+  /// The services to query, in the order in which checks are shown, including this one. Call it before the
+  /// first request.
   void set_services(std::vector<Service*> services) { services_ = std::move(services); }
 
   // Topic
@@ -60,8 +60,8 @@ class StatusService final : public Service, public Topic {
   std::vector<Service*> services_;
   mutable AlertTimes alert_times_;
   HistoryKeeper history_;
-  Computer computer_reader_;  // of the thread of each_second()
-  mutable std::mutex mutex_;  // guards the next two
+  Computer computer_reader_;  // used by the thread that calls each_second()
+  mutable std::mutex mutex_;  // guards computer_ and clock_
   ComputerFigures computer_;
   std::optional<ClockFigures> clock_;
 };

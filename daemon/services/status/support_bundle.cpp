@@ -39,7 +39,7 @@ Response support_bundle(const std::vector<SupportFile>& files,
     readme += fmt::format("{}: {}", file.name, file.what);
     try {
       entries.push_back({folder + "/" + file.name, file.make()});
-    } catch (const std::exception& error) {  // the rest is worth having all the same
+    } catch (const std::exception& error) {  // the rest is still useful
       readme += fmt::format("; missing: {}", error.what());
     }
     readme += "\n";

@@ -9,9 +9,10 @@
 
 namespace sslv {
 
-/// A bug report's attachment, as a file to download: these files, and a README that says what they are and
-/// which are missing, and why. There is no secret in it: the settings hold none (see Passwords). It is a
-/// .tar.gz; with a recording, which is not held in memory, a .tar, for a route that streams.
+/// Returns a bug report's attachment as a download: these files, and a README that describes them and lists
+/// missing files with the reasons. It contains no secrets, because the settings contain none (see Passwords).
+/// Without a recording, it is a .tar.gz. With a recording, which is too large for memory, it is a .tar, for a
+/// route that streams.
 Response support_bundle(const std::vector<SupportFile>& files,
                         const std::optional<SupportRecording>& recording, const std::stop_token& stop);
 

@@ -16,7 +16,7 @@ bool looks_at(const CameraNow& camera, const Eigen::Vector2d& place_mm) {
          pixel->y() < calibration.pixel_image_height && context.looked_at().shows(pixel->x(), pixel->y());
 }
 
-/// Whether its masks leave nothing of an image of this size.
+/// Whether the camera's masks hide an image of this size completely.
 bool is_blind(const CameraNow& camera, int width_px, int height_px) {
   constexpr int kSteps = 64;
   const Mask& mask = camera.context().looked_at();

@@ -10,18 +10,18 @@
 
 namespace sslv {
 
-/// Which part of the field the cameras look at.
+/// Coverage of the field by the cameras.
 struct Coverage {
   static constexpr int kGridMm = 250;
   bool is_known = false;                         // every camera is calibrated
-  int places = 0;                                // of the field, on a grid
-  std::vector<Eigen::Vector2d> uncovered_mm;     // of them, those that no camera looks at that runs now
-  std::vector<Eigen::Vector2d> out_of_reach_mm;  // of these, those that no other camera would look at either
-  std::vector<int> blind;                        // ids of cameras whose masks leave nothing to look at
+  int places = 0;                                // grid points of the field
+  std::vector<Eigen::Vector2d> uncovered_mm;     // grid points that no running camera covers
+  std::vector<Eigen::Vector2d> out_of_reach_mm;  // uncovered even if all cameras were running
+  std::vector<int> blind;                        // ids of cameras whose masks hide the whole image
 };
 
-/// Between the outer lines of the field, on the floor. By calibrations and masks alone: what stands in the
-/// way is not seen.
+/// Coverage of the floor between the outer lines of the field. Considers only calibrations and masks;
+/// obstacles are unknown.
 Coverage coverage_of(std::span<const CameraNow> cameras, const FieldSize& field);
 
 }  // namespace sslv

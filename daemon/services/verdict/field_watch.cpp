@@ -11,18 +11,18 @@
 namespace sslv {
 namespace {
 
-/// A line that is farther off than this is not found.
+/// Lines farther from their expected position are not found.
 constexpr double kWindowMm = 250;
 
-/// Of two looks at the same lines: the better one.
+/// Returns the better of two checks of the same lines.
 LinesNow better(const LinesNow& a, const LinesNow& b) {
   if (a.verdict.missing_share != b.verdict.missing_share)
     return a.verdict.missing_share < b.verdict.missing_share ? a : b;
   return a.verdict.worst_mm <= b.verdict.worst_mm ? a : b;
 }
 
-/// Nothing when no line can be judged. What the field's sizes were measured to nobody has said: what suits
-/// better is right, as it is for calibration.
+/// Returns nothing if no line can be judged. It is unknown whether the field's sizes were measured to the
+/// middle or to the outer edge of the lines, so the better fit of both counts, as in calibration.
 std::optional<LinesNow> lines_in(const ImageView& image, const Scene& scene, const FieldCurves& curves) {
   std::optional<LinesNow> best;
   for (const LinesMeasured to : {LinesMeasured::kToMiddle, LinesMeasured::kToOuterEdge}) {
@@ -98,7 +98,7 @@ void FieldWatch::look_at(const CameraNow& camera, Watched& watched) {
       const double now_s = steady_s();
       const std::lock_guard lock(mutex_);
       if (to_forget_.contains(camera.id)) return;
-      // With another calibration, or other heights of robots, they are elsewhere.
+      // With another calibration or other robot heights, the same robots have other positions.
       if (std::exchange(watched.seen_with, camera.context().scene) != camera.context().scene)
         sightings_.forget(camera.id);
       sightings_.add(camera.id, now_s, frame->t_capture_s, frame->robots, frame->balls, frame->second_robots);
@@ -107,7 +107,7 @@ void FieldWatch::look_at(const CameraNow& camera, Watched& watched) {
       watched.lines_due = now + pace_.between_lines;
       look_at_lines(camera, *frame, watched);
     }
-  } catch (const CaptureError&) {  // the camera is gone: so it will be from the next list
+  } catch (const CaptureError&) {  // the camera no longer exists; the next list lacks it
   }
 }
 
@@ -123,7 +123,7 @@ void FieldWatch::look_at_lines(const CameraNow& camera, const LentFrame& frame, 
   if (scene->camera && image.width == scene->camera->calibration().pixel_image_width &&
       image.height == scene->camera->calibration().pixel_image_height)
     now = lines_in(image, *scene, *watched.curves);
-  // A single image may be spoilt, by a hand or a lamp that goes on.
+  // A hand or a lamp that is switched on may spoil a single image: use the better of two successive checks.
   const std::optional<LinesNow> before = std::exchange(watched.before, now);
   const std::lock_guard lock(mutex_);
   if (to_forget_.contains(camera.id)) return;

@@ -20,15 +20,15 @@
 
 namespace sslv {
 
-/// How the painted lines lie in a camera's newest images.
+/// Offsets of the painted lines in a camera's newest images.
 struct LinesNow {
   LinesVerdict verdict;
-  std::string worst_line;                    // its name
+  std::string worst_line;                    // name of the line that is farthest off
   const FieldPreset* better_size = nullptr;  // see find_better_size()
 };
 
-/// Looks at each camera's newest finished frame ten times a second, in one thread of low priority: at what
-/// was found in it, and every few looks at its painted lines. May be used from any thread.
+/// Checks each camera's newest processed frame ten times a second, in one thread of low priority: its
+/// detections and, less often, the painted lines. Thread-safe.
 class FieldWatch {
  public:
   struct Pace {
@@ -37,36 +37,36 @@ class FieldWatch {
   };
   struct Seen {
     FieldSeen field;
-    std::map<int, LinesNow> lines;  // by camera id; none where no line can be judged
-    double watched_s = 0;           // for so long
+    std::map<int, LinesNow> lines;  // by camera id; only cameras with a line that can be judged
+    double watched_s = 0;           // time since the watch was started
   };
 
   /// `cameras` must outlive this.
   explicit FieldWatch(Cameras& cameras, Pace pace);
   explicit FieldWatch(Cameras& cameras) : FieldWatch(cameras, Pace{}) {}
 
-  /// Begins what the destructor does, and does not wait for it.
+  /// Starts stopping without waiting; the destructor waits.
   void ask_to_stop() { thread_.request_stop(); }
 
   /// See Sightings::now().
   Seen seen(std::optional<double> match_since_s, const SubstitutionAreas& areas) const;
-  /// Of cameras that show something else from now on, or are gone.
+  /// Drops the data of cameras whose view has changed or that are gone.
   void forget(const std::set<int>& camera_ids);
   /// See Sightings.
   void robots_are_handled(bool are);
-  /// Of cameras that are gone, or whose place another one took.
+  /// For cameras that are gone or were replaced. See Sightings.
   void expect_nothing_of(const std::set<int>& camera_ids);
 
  private:
   using Clock = std::chrono::steady_clock;
-  /// What its own thread keeps of a camera.
+  /// State of a camera, used only by thread_.
   struct Watched {
-    std::uint64_t version = 0;               // of the frame that was looked at last
-    std::shared_ptr<const Scene> seen_with;  // what stood in that frame, where
+    std::uint64_t version = 0;               // version of the last frame checked
+    std::shared_ptr<const Scene> seen_with;  // scene of that frame's detections
     Clock::time_point lines_due{};
-    std::shared_ptr<const Scene> scene;  // that the next two are of
-    std::optional<FieldCurves> curves;   // of its field
-    std::optional<LinesNow> before;      // what was seen of the lines the last time
+    std::shared_ptr<const Scene> scene;  // scene that `curves` and `before` belong to
+    std::optional<FieldCurves> curves;   // curves of the scene's field
+    std::optional<LinesNow> before;      // result of the previous check of the lines
   };
   void serve(const std::stop_token& ending);
   void look_at(const CameraNow& camera, Watched& watched);
@@ -75,11 +75,11 @@ class FieldWatch {
   Cameras& cameras_;
   const Pace pace_;
   const double started_s_;
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards the members below
   Sightings sightings_;
   std::map<int, LinesNow> lines_;
   std::set<int> to_forget_;
-  std::jthread thread_;  // last: it uses all the others
+  std::jthread thread_;  // last: the thread uses all members above
 };
 
 }  // namespace sslv

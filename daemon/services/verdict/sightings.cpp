@@ -7,20 +7,22 @@
 namespace sslv {
 namespace {
 
-/// Two cameras' frames this far apart in time are of one moment, once a robot's way in between is taken off.
+/// Two cameras' frames are compared if they are at most this far apart in time, after compensating the
+/// robot's motion in between.
 constexpr double kOneMoment_s = 0.1;
-/// What was seen this long ago is still so.
+/// Detections up to this age are current.
 constexpr double kNow_s = 1;
-/// Two robots touch at 180 mm. Farther apart than this, one id is two robots and no error of calibration.
+/// Two robots touch at 180 mm. Two detections of one id farther apart than this are two robots, not a
+/// calibration error.
 constexpr double kTwoRobotsMm = 400;
-/// One id in two places is named when it was seen so often within kDoubles_s: a robot that is carried, or a
-/// single wrong id, is not.
+/// An id in two places is reported if it is seen kMinDoubles times within kDoubles_s. This excludes robots
+/// that are carried and single wrong ids.
 constexpr std::size_t kMinDoubles = 5;
 constexpr double kDoubles_s = 3;
-/// Cameras are compared by what they saw in the last seconds; where few robots pass, by what they saw last.
+/// Two cameras are compared over the last kApart_s or, if few robots pass, over up to kApartAtMost_s.
 constexpr double kApart_s = 4, kApartAtMost_s = 20;
 constexpr std::size_t kMinApart = 8, kMaxApart = 400;
-/// Faster than this its place at one moment is not known to a few millimetres.
+/// The position of faster robots at one moment is not accurate to a few millimetres.
 constexpr double kMaxSpeedMm_s = 1500;
 
 void count_at_once(std::vector<LostRobot>& lost) {
@@ -62,8 +64,8 @@ void Sightings::add(int camera_id, double t_s, double t_capture_s, std::span<con
     known.by_camera[camera_id] = seen;
     const double gone_s = t_s - known.last_s.value_or(-1e9);
     if (gone_s > kGap_s) known.since_s = t_s;
-    // One that comes back after it was expected no longer is a new one; or a lost one, of which a glimpse is
-    // not yet enough.
+    // A robot that reappears after it was given up counts as new, or as still lost, until it is seen
+    // steadily.
     if (gone_s > kExpected_s) {
       if (known.is_steady && !known.was_handled) known.lost_s = known.last_s;
       if (!known.lost_s) known.came_s = t_s;
@@ -90,7 +92,7 @@ void Sightings::add(int camera_id, double t_s, double t_capture_s, std::span<con
   if (t_s - ball_since_s_ >= kSteady_s) ball_is_steady_ = true;
 }
 
-/// Twice in one image.
+/// Records ids that occur twice in one image.
 void Sightings::add_doubles(int camera_id, double t_s, std::span<const Robot> robots,
                             std::span<const Robot> others) {
   for (const Robot& robot : robots) {
@@ -146,8 +148,8 @@ void Sightings::expect_nothing_of(int camera_id) {
   if (ball_camera_ == camera_id) ball_is_steady_ = false;
 }
 
-/// Robots that are expected because many went at once are not missed when as many of their team have come
-/// since.
+/// Robots stay expected if many disappeared at once. Drops them when enough other robots of their team have
+/// appeared since, so that fewer than kMany are missing.
 void Sightings::drop_replaced(std::vector<LostRobot>& lost, double t_s) const {
   for (const Team team : {Team::kYellow, Team::kBlue}) {
     const auto lasts = [&](const LostRobot& robot) {
@@ -179,7 +181,7 @@ FieldSeen Sightings::now(double t_s, std::optional<double> match_since_s,
       out.ids[team].push_back(identity.second);
       if (waits) out.waiting[team].push_back(identity.second);
     } else if (waits) {
-      // It may be in its team's hands by now.
+      // Not lost: its team may have taken the robot away.
     } else if (robots.is_steady && gone_s <= kExpected_s) {
       out.lost.push_back({identity.first, identity.second, gone_s, robots.place_mm, 1, robots.was_handled});
     } else if (match_since_s) {

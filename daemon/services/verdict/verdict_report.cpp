@@ -13,17 +13,19 @@
 namespace sslv {
 namespace {
 
-// Positions are good to a few millimetres. A robot's pattern is 170 mm wide, and half of that decides a duel.
+// Positions are accurate to a few millimetres. A robot's pattern is 170 mm wide, and half of that decides a
+// duel.
 constexpr double kWarnMm = 25, kBadMm = 60;
-/// Of the places on painted lines that the cameras show.
+/// Largest acceptable share of a camera's visible line points at which no line is found.
 constexpr double kMissingShare = 0.4;
-/// Of the field's places.
+/// Shares of the field's grid points that no camera covers: alert, severe alert.
 constexpr double kUncoveredShare = 0.01, kUncoveredBadShare = 0.1;
-/// Robots hide a ball for a moment, and in a match for longer; people take it off the field.
+/// A missing ball is reported after this time, kBallHidden_s in a match: robots hide it for a moment, in a
+/// match for longer, and people take it off the field.
 constexpr double kBallGone_s = 3, kBallHidden_s = 15;
-/// Robots hide nobody's whole team.
+/// Other robots cannot hide a whole team.
 constexpr double kTeamGone_s = 3;
-/// From the service's start; by then every robot in view was seen.
+/// Time from the service's start until every robot in view was seen.
 constexpr double kWatched_s = 5;
 
 const char* name_of(Team team) {
@@ -51,13 +53,14 @@ std::string names_of(const std::vector<LostRobot>& robots) {
   return fmt::format("{}", fmt::join(parts, " and "));
 }
 
-/// No title says for how long: alerts have their own time, and one that changes would be read out again.
+/// Titles do not say for how long: alerts have a time of their own, and a changing title would be read out
+/// again.
 void report_lost(const VerdictFacts& facts, HealthReport& report) {
   const FieldSeen& field = facts.seen.field;
   if (field.lost.empty()) return;
   const std::size_t seen = field.ids[0].size() + field.ids[1].size();
   const LostRobot& newest = *std::ranges::min_element(field.lost, {}, &LostRobot::gone_s);
-  // In a HALT or a timeout, people take as many off as they like.
+  // In a HALT or a timeout, people may take off any number.
   std::size_t at_once = 0;
   for (const LostRobot& robot : field.lost) {
     if (!robot.was_handled) at_once = std::max(at_once, robot.at_once);
@@ -67,7 +70,7 @@ void report_lost(const VerdictFacts& facts, HealthReport& report) {
   add(report,
       {.id = "robots_lost",
        .check = "robots",
-       // One may have been taken off. Many at once were not.
+       // A single robot may have been taken off. Many at once were not.
        .severity = are_many || (at_once >= 2 && at_once >= seen) ? Severity::kBad : Severity::kWarn,
        .title = fmt::format("{} {} no longer seen, the last at {}", names_of(field.lost),
                             is_one ? "is" : "are", place_text(newest.place_mm)),
@@ -83,7 +86,7 @@ void report_lost(const VerdictFacts& facts, HealthReport& report) {
        .page = "#/"});
 }
 
-/// Before a match teams may be late. While one is played, nobody plays without robots.
+/// Before a match teams may be late. During a match no team plays without robots.
 void report_none(const VerdictFacts& facts, HealthReport& report) {
   if (!facts.match_runs || facts.robots_are_handled || facts.seen.watched_s < kWatched_s) return;
   std::vector<Team> none;
@@ -118,7 +121,7 @@ void report_ball(const VerdictFacts& facts, HealthReport& report) {
        .page = "#/colours"});
 }
 
-/// The ids of a team's roster; empty: any may play.
+/// The ids of a team's roster; empty: any robot may play.
 const std::vector<int>& roster_of(const VerdictFacts& facts, Team team) {
   const TeamsSettings& teams = facts.config.teams;
   return (team == Team::kYellow ? teams.yellow : teams.blue).ids;
@@ -154,7 +157,7 @@ void report_allowed(const VerdictFacts& facts, HealthReport& report) {
     const std::size_t seen = facts.seen.field.on_field(team);
     if (!allowed || static_cast<std::size_t>(*allowed) == seen) continue;
     const bool is_few = seen < static_cast<std::size_t>(*allowed);
-    if (is_few && !roster_of(facts, team).empty()) continue;  // which says more exactly who is missing
+    if (is_few && !roster_of(facts, team).empty()) continue;  // the roster's alert names the missing ones
     add(report,
         {.id = is_few ? "robots_few" : "robots_many",
          .check = "robots",
@@ -254,7 +257,7 @@ void report_coverage(const VerdictFacts& facts, HealthReport& report) {
                  .page = fmt::format("#/camera/{}", id),
                  .camera = id});
   }
-  // What only a lost camera looks at comes back with it: the camera is what to look after.
+  // Ignore places that only a lost camera covers: the camera is the problem.
   const auto& uncovered = facts.coverage.out_of_reach_mm;
   const double share =
       facts.coverage.places == 0 ? 0 : static_cast<double>(uncovered.size()) / facts.coverage.places;
@@ -284,7 +287,7 @@ Check check_robots(const VerdictFacts& facts) {
   if (facts.robots_allowed[0] && facts.robots_allowed[1])
     check.text += fmt::format("; {} / {} may play", *facts.robots_allowed[0], *facts.robots_allowed[1]);
   if (facts.match_runs) return check;
-  const bool is_ball_seen = field.ball || field.ball_gone_s;  // hidden for a moment
+  const bool is_ball_seen = field.ball || field.ball_gone_s;  // or the ball is hidden for a moment
   if (ids[0].empty() && ids[1].empty()) {
     check.state = CheckState::kWarn;
     check.text = is_ball_seen ? "a ball, but no robot: put some on the field to see that they are found"

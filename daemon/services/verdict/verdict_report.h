@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Whether this field can play, by what is seen on it.
+// Alerts and checks on whether the field is ready to play, based on what the cameras detect.
 
 #include "config/config.h"
 #include "services/health_report.h"
@@ -17,11 +17,11 @@ struct VerdictFacts {
   const Config& config;
   FieldWatch::Seen seen;
   Coverage coverage;
-  std::array<std::optional<int>, 2> robots_allowed;  // by Team: by the game controller; none: it does not say
-  // Before a match the check is strict: all robots that may play are to be there. While one runs, robots
-  // leave and come back, and only what changes is news.
+  std::array<std::optional<int>, 2> robots_allowed;  // by Team, from the game controller; none: unknown
+  // Before a match the check is strict: all robots that may play must be seen. During a match robots leave
+  // and come back, so only changes are reported.
   bool match_runs = false;
-  bool robots_are_handled = false;  // meanwhile: people may take them off, in a HALT or a timeout
+  bool robots_are_handled = false;  // HALT or timeout: people may take robots off the field
 };
 
 /// Adds the alerts and the checks `robots`, `agreement` and `coverage`.

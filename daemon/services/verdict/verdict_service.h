@@ -17,8 +17,8 @@
 
 namespace sslv {
 
-/// Whether this field can play, by what is seen on it: robots, painted lines, how well cameras agree, what
-/// none of them looks at.
+/// Judges from the cameras' images whether the field is ready to play: robots, painted lines, agreement of
+/// the cameras, coverage.
 class VerdictService final : public Service, public CameraObserver {
  public:
   /// All must outlive this.
@@ -36,7 +36,7 @@ class VerdictService final : public Service, public CameraObserver {
   const Snapshot<Config>& config_;
   Cameras& cameras_;
   const RefereeListener& referee_;
-  /// Since when a match runs; none does: nothing.
+  /// Start of the running match.
   struct MatchSince {
     double unix_s = 0, steady_s = 0;
   };
@@ -45,7 +45,7 @@ class VerdictService final : public Service, public CameraObserver {
   std::mutex devices_mutex_;
   std::map<int, std::string> devices_;  // by camera id: see device_of()
   Snapshot<Coverage> coverage_{Coverage{}};
-  /// What a camera's part of it was computed of.
+  /// Inputs from which a camera's part of the coverage was computed.
   struct CoveredBy {
     int id = 0;
     std::shared_ptr<const Scene> scene;
@@ -54,8 +54,8 @@ class VerdictService final : public Service, public CameraObserver {
     int width_px = 0, height_px = 0;
     bool operator==(const CoveredBy&) const = default;
   };
-  std::vector<CoveredBy> covered_by_;  // of the thread of each_second()
-  FieldWatch watch_;                   // last: it asks the cameras
+  std::vector<CoveredBy> covered_by_;  // used by the thread of each_second() only
+  FieldWatch watch_;                   // last: its thread uses the cameras
 };
 
 }  // namespace sslv

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A name that no setting could have.
+// The stage's name is not allowed in settings.
 #include <cstdlib>
 #include <stdexcept>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows that settings could not live with; which one, the environment says.
+// Stages with invalid parameters or names; SSLV_TEST_ROW selects one.
 #include <cmath>
 #include <cstdlib>
 #include <limits>

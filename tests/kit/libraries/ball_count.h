@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-/// A part that these libraries bring.
+/// A frame part that these libraries add.
 struct BallCount {
   static constexpr std::string_view kPartName = "ball_count";
   int balls = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A library as it should be: stages of a camera that hand a part of their own on, and one of the field.
+// A correct library: camera stages that pass on a part of their own, and a field stage.
 #include "ball_count.h"
 
 #include <array>

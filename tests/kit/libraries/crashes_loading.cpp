@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Crashes before main() would begin.
+// Crashes while being loaded.
 #include <cstdlib>
 #include <stdexcept>
 

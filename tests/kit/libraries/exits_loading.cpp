@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ends the program that loads it.
+// Exits the program that loads it.
 #include <cstdlib>
 #include <stdexcept>
 

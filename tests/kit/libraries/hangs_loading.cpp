@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Never comes to an end.
+// Hangs while being loaded.
 #include <cstdlib>
 #include <stdexcept>
 

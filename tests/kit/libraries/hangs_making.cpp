@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Its stage is never made.
+// The construction of its stage hangs.
 #include <kit/stages.h>
 
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Starts something that leaves its process group and has all of its files.
+// Starts a process that leaves the process group and keeps all open files.
 #include <kit/stages.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -19,7 +19,7 @@ static const int kLeft = [] {
   if (child == 0) {
     setsid();
     if (fork() != 0) _exit(0);
-    for (int file = 0; file < 3; ++file) close(file);  // who runs the tests waits for their end
+    for (int file = 0; file < 3; ++file) close(file);  // the test runner waits until these are closed
     alarm(30);
     for (;;) pause();
   }

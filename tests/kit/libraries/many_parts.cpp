@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// More parts of its own than a frame has room for.
+// Adds more parts than a frame has room for.
 #include <array>
 #include <string>
 #include <utility>

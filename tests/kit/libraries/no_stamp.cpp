@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A shared object of another kind.
+// A shared library without stages.
 extern "C" int answer() {
   return 42;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two parts that lie at the same place, as where the loader has made one of two.
+// Two parts with the same address, as if the loader had merged them.
 #include <kit/stages.h>
 
 namespace {

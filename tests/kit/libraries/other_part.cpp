@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The name of that part with another layout.
+// A part with the name of ball_count.h's but another layout.
 #include <string_view>
 
 #include <kit/stages.h>

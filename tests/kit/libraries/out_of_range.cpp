@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes behind the end of a list: AddressSanitizer must find it in a library of its own (installed.sh).
+// Writes beyond the end of a list: AddressSanitizer must detect it in a library of its own (installed.sh).
 #include <vector>
 
 #include <kit/stages.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the part that another library brings.
+// Reads a part that another library adds.
 #include "ball_count.h"
 
 #include <kit/stages.h>

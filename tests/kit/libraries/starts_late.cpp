@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Its stage is not made before a file is there that the environment names. It prints lines without an end.
+// Its stage is constructed once the file named in the environment exists. Prints lines continuously.
 #include <cstdio>
 #include <cstdlib>
 #include <thread>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calls a stage as one of the service is called.
+// Its stage has the name of a built-in stage.
 #include <cstdlib>
 #include <stdexcept>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Throws before main() would begin.
+// Throws while being loaded.
 #include <cstdlib>
 #include <stdexcept>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Its stage cannot be made.
+// The construction of its stage throws.
 #include <cstdlib>
 #include <stdexcept>
 

@@ -3,9 +3,9 @@ import { createCipheriv, createHash } from 'node:crypto';
 import { gzipSync } from 'node:zlib';
 
 const MIB = 1024 * 1024;
-const HOLE_BYTES = 64 * 1024; // from the beginning of a piece to that of the next
+const HOLE_BYTES = 64 * 1024; // distance between the starts of two pieces
 
-/** A block of a tar. `at386`: what GNU's sparse files have there. */
+/** A header block of a tar. `at386`: the sparse map in GNU's format. */
 function record(name, size, type = '0', at386 = '') {
   const head = Buffer.alloc(512);
   const put = (at, text) => head.write(text, at, 'latin1');
@@ -21,7 +21,7 @@ function record(name, size, type = '0', at386 = '') {
   return head;
 }
 const octal = (number) => `${number.toString(8).padStart(11, '0')} `;
-/** As the record of a file with pieces, of which there are more than fit into it, and records of those (GNU tar). */
+/** A sparse file with more pieces than fit into its header, followed by extension blocks (GNU tar). */
 function manyPieces(count) {
   const piece = (i) => octal(i * HOLE_BYTES) + octal(1);
   const records = Array.from({ length: Math.ceil(count / 21) }, (_, at, isLast = at === Math.ceil(count / 21) - 1) => {
@@ -34,7 +34,7 @@ function manyPieces(count) {
   const first = [0, 1, 2, 3].map(piece).join('');
   return Buffer.concat([record('sparse', pieces, 'S', `${first}\x01${octal(pieces * HOLE_BYTES).trim()}`), ...records, padded(Buffer.alloc(pieces, 'x')), END]);
 }
-/** The same in the format of today: a map before the file's own bytes (GNU tar, pax 1.0). */
+/** The same in the current format: a map before the file's own data (GNU tar, pax 1.0). */
 function manyPiecesOfPax(count) {
   const line = (text) => {
     const rest = ` ${text}\n`;
@@ -51,9 +51,9 @@ const END = Buffer.alloc(1024);
 const tar = (files) => Buffer.concat([...files.flatMap(([name, content]) => [record(name, content.length), padded(content)]), END]);
 const sumOf = (bytes) => createHash('sha256').update(bytes).digest('hex');
 const manifest = Buffer.from(JSON.stringify({ format: 'ssl-visiond backup', format_version: 1, version: '1', time: 1, computer: 'pc', site: '' }));
-/** That cannot be packed, faster than random.bytes(). */
+/** Incompressible data, faster than random.bytes(). */
 const unpackable = (random, size) => createCipheriv('aes-128-ctr', random.bytes(16), random.bytes(16)).update(Buffer.alloc(size));
-/** With sums that are right. */
+/** With correct checksums. */
 const backup = (files) => {
   const all = [['manifest.json', manifest], ...files.map(([name, content]) => [name, Buffer.from(content)])];
   return gzipSync(tar([...all, ['SHA256SUMS', Buffer.from(all.map(([name, content]) => `${sumOf(content)}  ${name}\n`).join(''))]]));
@@ -61,14 +61,14 @@ const backup = (files) => {
 const repeated = (text, size) => text.repeat(Math.ceil(size / text.length));
 const table = Buffer.concat([Buffer.from('SSLVLUT2'), Buffer.from([8, 1, 0, 0, 0, 0x80, 0x80, 0x80, 0x08])]);
 
-/** Three of them: as many bytes that cannot be packed, and as many zeros. */
+/** Three tables with `size` incompressible bytes and `zeros` zero bytes each. */
 const tables = (random, size, zeros) => Array.from({ length: 3 }, () => {
   const bytes = Buffer.concat([Buffer.from('SSLVLUT1'), unpackable(random, Math.floor(size)), Buffer.alloc(Math.floor(zeros))]);
   return [`tables/${sumOf(bytes).slice(0, 16)}.lut`, bytes];
 });
 
-const settings = ['settings.json', '{"version":2,"revision":1,"history":[],"settings":{"site":7}}']; // refused after all else was read
-/** What a file may be that is none of ours, by what it is. */
+const settings = ['settings.json', '{"version":2,"revision":1,"history":[],"settings":{"site":7}}']; // refused only after everything else was read
+/** Forged backups, by description. */
 export const FORGED = {
   'a file with a hole of 750 MiB': () => gzipSync(Buffer.concat([record('sparse', 0, 'S', octal(750 * MIB) + octal(0) + '\0'.repeat(73) + octal(750 * MIB).trim()), END])),
   'a file of 8000 pieces in 500 MiB': () => gzipSync(manyPieces(8000)),
@@ -84,7 +84,7 @@ export const FORGED = {
   'calibrations of numbers': () => backup([settings, ['calibrations.json', `[${repeated('0,', 8 * MIB)}0]`]]),
   '2000 tables': () => backup(Array.from({ length: 2000 }, (_, i) => Buffer.concat([table, Buffer.from([i & 255, i >> 8])])).map((bytes) => [`tables/${sumOf(bytes).slice(0, 16)}.lut`, bytes])),
   'large tables': (random) => backup([settings, ...tables(random, MIB, 6.5 * MIB)]),
-  // 8 MiB as it is sent, 24 MiB unpacked: all that a backup may have.
+  // 8 MiB compressed and 24 MiB unpacked: the most that a backup may have.
   'tables that just fit': (random) => backup([settings, ...tables(random, 2.6 * MIB, 5.3 * MIB)]),
   'bytes that are packed': (random) => gzipSync(random.bytes(MIB)),
   'bytes that are none': (random) => random.bytes(MIB),

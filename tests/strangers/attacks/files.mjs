@@ -3,7 +3,7 @@ import { closeSync, mkdirSync, openSync, rmSync, truncateSync, writeFileSync, wr
 import { join } from 'node:path';
 import { gzipSync } from 'node:zlib';
 
-/** As somebody's USB stick brings them; the sparse ones take no room on the disk. */
+/** Files as a USB stick may contain; the sparse ones take no space on the disk. */
 function make(folder, random) {
   mkdirSync(folder, { recursive: true });
   const files = [];

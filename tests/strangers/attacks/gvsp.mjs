@@ -6,7 +6,7 @@ import {
 
 const CONTROL_PORT = 3956, ANSWER_MS = 10_000;
 
-/** Far from the camera's own frame numbers, which would be late behind it. */
+/** Far from the camera's own frame numbers, which would otherwise be late. */
 let frame = 0x4000;
 const leaderOf = (parts, type) => extendedGvsp(LEADER, ++frame, 0, partsLeader(parts, type), parts.length);
 const trailer = (id) => extendedGvsp(TRAILER, frame, id);

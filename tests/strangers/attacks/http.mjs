@@ -20,7 +20,7 @@ const REQUESTS = [
   () => 'GET /api/ws HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n',
 ];
 
-// All but the last byte comes. Only whoever may change something is listened to.
+// A body without its last byte. The service only receives it from clients that may make changes.
 const HALF_BODY = Buffer.from(`PATCH /api/settings HTTP/1.1\r\nHost: localhost\r\nContent-Length: ${BODY_BYTES}\r\n\r\n[${' '.repeat(BODY_BYTES - 2)}`);
 
 async function attack(host, port, requests, { random, isOver, pause }) {
@@ -41,7 +41,7 @@ async function attack(host, port, requests, { random, isOver, pause }) {
 
 const memoryMb = (pid) => Number(/^VmRSS:\s+(\d+)/m.exec(readFileSync(`/proc/${pid}/status`, 'utf8'))[1]) / 1024;
 
-/** Without passwords everybody on this computer may change everything, so bodies of 1 MiB are received. */
+/** Without passwords everyone on this computer may make changes, so bodies of 1 MiB are received. */
 async function attackWithoutPasswords({ random, isOver, pause, check }) {
   const service = await createService('239.255.77.137');
   service.settings.cameras = [];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { readFileSync, readdirSync, readlinkSync } from 'node:fs';
 
-/** The UDP ports that the service has open now. */
+/** The UDP ports that the service currently has open. */
 function portsOf(pid) {
   const own = new Set();
   for (const fd of readdirSync(`/proc/${pid}/fd`)) {

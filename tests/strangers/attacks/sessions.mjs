@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 const MOST_SESSIONS = 256;
-const opened = []; // cookies, of all parts of a run: a minute allows for sixty or so of an address
+const opened = []; // cookies from all parts of a run: an address can open only about sixty a minute
 
 export default {
   name: 'sessions and passwords',
@@ -8,9 +8,9 @@ export default {
   async run({ ask, passwords, isOver, pause, check, random }) {
     const { admin } = await ask.cookies();
     for (let round = 0; !isOver(); ++round) {
-      // Wrong ones are few: an address that has no tries left cannot open sessions either.
+      // Few wrong ones: an address that has used up its attempts cannot open sessions either.
       const password = random.below(20) ? passwords.viewer : `guess ${random.below(1e6)}`;
-      // This computer's own tries are counted apart. Some of them are left for others that sign in here.
+      // This computer's own attempts are counted separately. Leaves some of them for other sign-ins from here.
       const { status, headers } = await ask('POST', 'api/session', { body: { password }, outside: round % 10 > 0 });
       if (status === 200) opened.push(headers['set-cookie'][0].split(';')[0]);
       await ask('PATCH', 'api/settings', { body: [{ op: 'replace', path: '/site', value: 'Stolen' }], outside: true });

@@ -2,7 +2,7 @@
 import { connect } from 'node:net';
 
 const upgrade = 'GET /api/ws HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n';
-/** A frame of text, masked with zeros. */
+/** A text frame, masked with zeros. */
 const message = (json) => {
   const text = Buffer.from(JSON.stringify(json));
   return Buffer.concat([Buffer.from([0x81, 0x80 | 126, text.length >> 8, text.length & 255, 0, 0, 0, 0]), text]);

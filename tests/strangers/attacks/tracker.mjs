@@ -18,7 +18,7 @@ export default {
         });
         send(random.below(3) ? packet : random.mutated(packet), tracker.port, tracker.group);
       }
-      // As many bytes as a field has none of.
+      // More data than a real field produces.
       for (let i = 0; i < 20; ++i) send(random.bytes(16).toString('hex').repeat(1500), tracker.port, tracker.group);
       for (let i = 0; i < 20; ++i) send(Buffer.alloc(0), tracker.port, tracker.group);
       await pause(20);

@@ -3,7 +3,7 @@ import { detection, geometry } from '../wire.mjs';
 
 const robots = (random, more = {}) => Array.from({ length: random.below(12) }, () => ({ id: random.below(16), x: (random.next() - 0.5) * 9000, y: (random.next() - 0.5) * 6000, ...more }));
 
-/** Camera 21 hangs at 500 mm, and camera 20 reports a robot of that height, which 21 sees in its own plane. */
+/** Camera 21 is at a height of 500 mm, and camera 20 reports a robot of that height, which is in 21's own plane. */
 function* dividesByNothing(random) {
   yield geometry({ cameras: [{ camera: 20, z: 4000 }, { camera: 21, z: 500, x: 100 }] });
   const id = random.below(6);
@@ -22,7 +22,7 @@ function* senseless(random) {
   yield geometry({ length: n() || 1, fieldWidth: n() || 1, cameras: [{ camera: 20, x: n(), y: n(), z: n(), focal: n(), distortion: n(), width: random.below(70_000), height: random.below(70_000) }] });
   yield detection({ camera: 20, yellow: Array.from({ length: 1000 }, (_, id) => ({ id })), balls: Array.from({ length: 500 }, () => ({})) });
 }
-/** Of a camera that we have, too. */
+/** Also with the ids of our own cameras. */
 function* aside(random) {
   yield geometry({ cameras: [{ camera: 30, z: 4000 }] });
   yield detection({ camera: random.pick([0, 1, 30]), yellow: robots(random), blue: robots(random), balls: [{ x: random.below(3000) }] });

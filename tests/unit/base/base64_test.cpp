@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::base64_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -48,4 +48,4 @@ TEST(Base64, RefusesWhatWasCutOffOrIsSomethingElse) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::base64_test

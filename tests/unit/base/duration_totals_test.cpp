@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::duration_totals_test {
 namespace {
 
 TEST(DurationTotals, ADurationCountsInTheFirstBucketThatHoldsIt) {
@@ -36,4 +36,4 @@ TEST(DurationTotals, ManyThreadsMayAdd) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::duration_totals_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::handover_test {
 namespace {
 
 TEST(Handover, TheUserSeesTheNewestValue) {
@@ -49,7 +49,7 @@ TEST(Handover, AReaderHoldsAVersionForAsLongAsItLikes) {
   EXPECT_EQ(*held, 1);
 }
 
-/// Whose two halves are the same, while it is not freed.
+/// Both members are equal until it is destroyed.
 struct Pair {
   explicit Pair(int value) : a(value), b(value) {}
   ~Pair() { a = -1, b = -2; }
@@ -80,4 +80,4 @@ TEST(Handover, WritersNeverFreeWhatIsInUse) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::handover_test

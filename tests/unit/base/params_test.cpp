@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::params_test {
 namespace {
 
 enum class Mode { kFast, kExact };
@@ -211,7 +211,7 @@ TEST(Params, TheRangeIsClosed) {
   EXPECT_EQ(read(R"({"gain": 16})").gain, 16);
 }
 
-// JSON text has neither; values made in memory could have them.
+// JSON text cannot contain them, but values built in memory can.
 TEST(Params, NotANumberAndInfinityAreRefused) {
   for (const double value :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
@@ -350,4 +350,4 @@ TEST(Params, SchemaSaysTypeRangeUnitDefaultAndHelp) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::params_test

@@ -8,7 +8,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::plain_text_test {
 namespace {
 
 using testing::AllOf;
@@ -83,4 +83,4 @@ TEST(PlainText, IsRefusedInOneClearLine) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::plain_text_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::recent_test {
 namespace {
 
 TEST(RecentDurations, AreZeroBeforeTheFirst) {
@@ -63,4 +63,4 @@ TEST(RecentDurations, MayBeReadWhileWritten) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::recent_test

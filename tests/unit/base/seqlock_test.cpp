@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::seqlock_test {
 namespace {
 
 struct Figures {
@@ -61,4 +61,4 @@ TEST(Seqlock, AWriterThatIsHeldDelaysNoReaderThatOnlyTries) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::seqlock_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::slot_queue_test {
 namespace {
 
 TEST(SlotQueue, GivesValuesInTheirOrderAndTakesNoMoreThanItHasRoomFor) {
@@ -70,4 +70,4 @@ TEST(SlotQueue, AThreadReadsWhatAnotherWrites) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::slot_queue_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::snapshot_test {
 namespace {
 
 TEST(Snapshot, IsNullBeforeTheFirstStore) {
@@ -66,4 +66,4 @@ TEST(Snapshot, ReadersNeverSeeHalfOfAChange) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::snapshot_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::workers_test {
 namespace {
 
 TEST(Workers, DoEveryPartOnce) {
@@ -18,7 +18,7 @@ TEST(Workers, DoEveryPartOnce) {
     for (const int parts : {0, 1, 2, 7, 40}) {
       for (int job = 0; job < 100; ++job) {
         std::array<std::atomic<int>, 40> done{};
-        std::array<int, 40> plain{};  // seen by the caller without a lock
+        std::array<int, 40> plain{};  // the caller must see the writes without a lock
         workers.run(parts, [&](int i) {
           ++done[static_cast<std::size_t>(i)];
           plain[static_cast<std::size_t>(i)] = i + 1;
@@ -48,4 +48,4 @@ TEST(Workers, GoOnWithTheThreadsThatTheSystemGives) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::workers_test

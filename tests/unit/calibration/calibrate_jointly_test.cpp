@@ -9,7 +9,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::calibrate_jointly_test {
 namespace {
 
 using testing::Contains;
@@ -24,10 +24,10 @@ MeanPicture mean_of(const FloorPicture& picture) {
   return mean;
 }
 
-/// Size of the pictures: small unless a test needs larger ones.
+/// Small images (see FloorSetting), unless a test needs larger ones.
 constexpr int kSize = 3;
 
-/// The camera's calibration as an admin has it: some centimetres off.
+/// The camera's calibration with a wrong position, as an admin has it: off by about 1.3 * `by_mm`.
 CameraCalibration spoilt(LensCamera camera, double by_mm) {
   camera.position_mm += Eigen::Vector3d(by_mm, -0.5 * by_mm, 0.6 * by_mm);
   return publish(camera).calibration;
@@ -54,7 +54,7 @@ class CalibrateJointly : public testing::Test {
     out.cameras = {{3, seen_by_a_, spoilt(a_, off_mm)}, {7, seen_by_b_, spoilt(b_, -off_mm)}};
     return out;
   }
-  /// Robots that both cameras see, to 0.1 px.
+  /// Robots that both cameras see, with a noise of 0.1 px.
   static std::vector<OverlapTie> robots_in_both() {
     std::mt19937 random(5);
     std::normal_distribution<double> noise_px(0, 0.1);
@@ -89,12 +89,12 @@ TEST_F(CalibrateJointly, CamerasAgreeAfterwards) {
   EXPECT_EQ(report.cameras[0].id, 3);
   EXPECT_EQ(report.cameras[1].id, 7);
   EXPECT_EQ(report.measured, LinesMeasured::kToMiddle);
-  // Against the truth.
+  // Errors against the truth.
   EXPECT_LT(overlap_mm(report, 0), 0.7);
   EXPECT_LT(overlap_mm(report, 150), 0.9);
   EXPECT_LT(field_error_mm(a_, lens_camera(report.cameras[0].calibration), asked.field, 0), 2);
   EXPECT_LT(field_error_mm(b_, lens_camera(report.cameras[1].calibration), asked.field, 0), 2);
-  // And it says so: before means with the calibrations in force.
+  // The report says so; `before_mm` is with the current calibrations.
   ASSERT_TRUE(report.on_floor && report.of_robots);
   EXPECT_GT(report.overlapping_patches, 50);
   EXPECT_EQ(report.ties, static_cast<int>(asked.ties.size()));
@@ -178,10 +178,10 @@ TEST_F(CalibrateJointly, CamerasThatSeeNothingInCommonAreNotAccepted) {
   PaintedFloor floor;
   floor.field = floor_field(0);
   floor.robots = 0;
-  FloorSetting quarter;  // of which a small picture would show too few lines
+  FloorSetting quarter;  // a small image of it would show too few lines
   quarter.view = FloorView::kQuarter;
   LensCamera a = floor_camera(quarter);
-  constexpr int kOverlapPx = 200;  // without its left side
+  constexpr int kOverlapPx = 200;  // cut off its left side
   a.center_x -= kOverlapPx;
   a.width -= kOverlapPx;
   const LensCamera b = turned_round(a);
@@ -205,4 +205,4 @@ TEST_F(CalibrateJointly, CanBeStopped) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::calibrate_jointly_test

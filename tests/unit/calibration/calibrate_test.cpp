@@ -13,7 +13,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::calibrate_test {
 namespace {
 
 using ::testing::Contains;
@@ -31,8 +31,8 @@ struct Shot {
   double robots_error_mm(const CalibrationReport& report) const {
     return report.found ? field_error_mm(camera, report.camera, floor.field, 150) : 1e6;
   }
-  /// Of all painted lines in view, the largest distance between where one is and where the published
-  /// calibration has it.
+  /// Largest distance in mm of a painted line in view from its position according to the published
+  /// calibration.
   double worst_line_error_mm(const CalibrationReport& report) const {
     if (!report.found) return 1e6;
     const CameraModel published(report.calibration);
@@ -47,7 +47,7 @@ struct Shot {
   }
 };
 
-/// Size of the pictures unless a test's bounds need larger ones: they take a third of the time.
+/// Small images take a third of the time; used unless a test's bounds need larger ones.
 constexpr int kSmall = 3;
 
 Shot take(const FloorSetting& setting, PaintedFloor floor = {}) {
@@ -58,7 +58,7 @@ Shot take(const FloorSetting& setting, PaintedFloor floor = {}) {
   return out;
 }
 
-/// A small camera over half a field, tilted a little.
+/// A small image of half a field from a slightly tilted camera.
 const Shot& half() {
   static const Shot shot = take({kSmall});
   return shot;
@@ -73,7 +73,7 @@ CalibrationTask clicked(const Shot& shot, const std::vector<std::string>& names)
   CalibrationTask task;
   task.field = shot.floor.field;
   const auto points = named_points(painted_curves(task.field));
-  // As people click: a few pixels off.
+  // People click a few pixels off.
   constexpr double kOffPx[][2] = {{1, 2}, {-2, 1}, {2, -1}, {-1, -2}, {1, -2}, {-2, -1}};
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto point = std::find_if(points.begin(), points.end(),
@@ -91,7 +91,7 @@ void swap_pixels(CalibrationTask& task, std::size_t a, std::size_t b) {
   std::swap(task.clicks[a].pixel, task.clicks[b].pixel);
 }
 
-/// A tile of a picture that shows the whole field, in all of its height, and the camera that it comes from.
+/// An image of the whole field and its camera. tile() cuts out a tile of full height.
 struct DrawnWhole {
   LensCamera camera;
   PaintedFloor floor;
@@ -132,7 +132,8 @@ TEST(Calibrate, ATileNeedsNoClicks) {
     CalibrationTask task;
     task.field = tile.floor.field;
     task.plus_x = PlusX::kRight;
-    // Before it is refined, which makes up for much: lines are straightened about the whole picture's middle.
+    // Checks the proposal, since refinement hides its errors: lines must be undistorted about the centre of
+    // the whole image.
     const Proposal proposal =
         propose_cameras(find_line_pixels(tile.picture, 2), painted_curves(task.field),
                         camera_prior(tile.camera.width, tile.camera.height, tile.picture.whole));
@@ -159,7 +160,7 @@ TEST(Calibrate, FindsTheCameraFromFourClicks) {
   EXPECT_LT(usual_half().robots_error_mm(report), 0.5);
   EXPECT_GT(report.found_share, 0.95);
   EXPECT_LT(report.rms_px, 0.05);
-  // What it says of itself is of the right order.
+  // The reported errors have the right order of magnitude.
   EXPECT_LT(usual_half().floor_error_mm(report), 2 * report.expected_on_floor_mm);
   EXPECT_LT(report.expected_on_floor_mm, 0.2);
   EXPECT_LT(usual_half().robots_error_mm(report), 2 * report.expected_at_150_mm);
@@ -169,7 +170,7 @@ TEST(Calibrate, FindsTheCameraFromFourClicks) {
   EXPECT_GT(report.coverage, 0.5);
   EXPECT_LE(report.coverage, 1);
   EXPECT_GT(report.condition, 1);
-  // The published one is the same camera.
+  // The published calibration describes the same camera.
   const CameraModel wire(report.calibration);
   EXPECT_LT((wire.position_mm() - report.camera.position_mm).norm(), 1e-3);
 }
@@ -224,7 +225,7 @@ TEST(Calibrate, SaysWhenBothEndsLookAlike) {
   const CalibrationReport other = calibrate(half().picture, task);
   ASSERT_TRUE(other.found);
   EXPECT_THAT(other.notes, Not(Contains(HasSubstr("look alike"))));
-  // Half a turn of the field.
+  // The field is turned by 180 degrees.
   const auto place = other.camera.unproject({300, 200}, 0), truth = half().camera.unproject({300, 200}, 0);
   EXPECT_LT((*place + *truth).norm(), 1);
 }
@@ -297,8 +298,8 @@ TEST(Calibrate, FindsOutWhatTheSizesWereMeasuredTo) {
   }
 }
 
-/// A square of lines and its crossings: as a whole half a line larger or smaller, it looks the same from a
-/// little farther away.
+/// A square of lines and its crossings. If it is half a line width larger or smaller, it looks the same from
+/// a slightly different distance.
 Shot take_square(LinesMeasured measured) {
   Shot out{floor_camera({kSmall}), {}, {}};
   FieldSize& field = out.floor.field = floor_field(kSmall);
@@ -345,7 +346,7 @@ TEST(Calibrate, DoesWithoutSomeLines) {
   floor.measured = LinesMeasured::kToOuterEdge;
   const Shot shot = take({}, floor);
   CalibrationTask task = clicked(shot, kHalfCorners);
-  task.measured = floor.measured;  // so few lines do not tell
+  task.measured = floor.measured;  // too few lines to find this out
   const CalibrationReport report = calibrate(shot.picture, task);
   EXPECT_TRUE(report.accepted);
   EXPECT_LT(shot.floor_error_mm(report), 0.2);
@@ -374,7 +375,7 @@ TEST(Calibrate, StartsFromExactClicksAtATiltedCamera) {
   const Shot shot = take({0, FloorView::kWhole, 25, 0.08, 0});
   CalibrationTask task =
       clicked(shot, {"corner left bottom", "corner left top", "corner right top", "corner right bottom"});
-  task.click_sigma_px = 0.3;  // surer of them than they are
+  task.click_sigma_px = 0.3;  // less than their real error
   const CalibrationReport report = calibrate(shot.picture, task);
   EXPECT_TRUE(report.accepted);
   EXPECT_LT(shot.floor_error_mm(report), 0.2);
@@ -445,4 +446,4 @@ TEST(Calibrate, EndsWhenTold) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::calibrate_test

@@ -7,7 +7,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::calibration_json_test {
 namespace {
 
 using testing::HasSubstr;
@@ -136,4 +136,4 @@ TEST(NamedPoints, LieInTheMiddleOfThePaint) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::calibration_json_test

@@ -11,12 +11,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::check_lines_test {
 namespace {
 
 constexpr double kWindowMm = 250;
 
-/// What is said of lines in a picture that are looked for with a camera and sizes.
+/// Verdict on the lines of an image, searched with this calibration and these field sizes.
 LinesVerdict looked_for(const FloorPicture& picture, const LensCamera& calibrated, const FieldSize& sizes) {
   const auto curves = painted_curves(sizes);
   return judge_lines(
@@ -46,7 +46,7 @@ std::vector<Case> cases_of(FloorView view) {
 
 class CheckLinesOf : public ::testing::TestWithParam<FloorView> {};
 
-// One test, as drawing takes most of its time.
+// One test for both checks, since drawing takes most of the time.
 TEST_P(CheckLinesOf, FindsThemWhereAGoodCalibrationPutsThemAndSaysByHowMuchACameraWasMoved) {
   for (const Case& one : cases_of(GetParam())) {
     SCOPED_TRACE(fmt::format("size {}, dim to {}", one.setting.size, one.floor.dim_to));
@@ -116,4 +116,4 @@ TEST(CheckLines, JudgeNothingWhereNoLineIsInTheImage) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::check_lines_test

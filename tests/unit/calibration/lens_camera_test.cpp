@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::lens_camera_test {
 namespace {
 
 template <class Use>
@@ -109,4 +109,4 @@ TEST(SteppedCamera, ZoomHardlyChangesThePictureOfAFloorSeenFromAbove) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::lens_camera_test

@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::line_picture_test {
 namespace {
 
 struct Drawn {
@@ -33,7 +33,7 @@ Drawn stripe(double middle_y, double slope, double width_px, Rgb paint, double n
         for (int i = 0; i < kSamples; ++i) {
           const double sx = x + (i + 0.5) / kSamples - 0.5, sy = y + (j + 0.5) / kSamples - 0.5;
           const double across = (sy - middle_y - slope * sx) / std::hypot(1, slope);
-          // A blurred edge.
+          // Blurred edges.
           share += (std::erf((across + width_px / 2) / 0.9) - std::erf((across - width_px / 2) / 0.9)) / 2;
         }
       }
@@ -144,4 +144,4 @@ TEST(MeasureLine, FindsNothingOnBareCarpet) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::line_picture_test

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::painted_curves_test {
 namespace {
 
 const PaintedCurve& named(const std::vector<PaintedCurve>& curves, std::string_view name) {
@@ -112,4 +112,4 @@ TEST(NamedPoints, AreCornersAndCrossings) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::painted_curves_test

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::refine_jointly_test {
 namespace {
 
 struct Pair {
@@ -20,10 +20,10 @@ struct Pair {
   std::vector<RefinedCamera> seen;
 };
 
-/// Sizes of pictures: small unless a test's bounds need larger ones.
+/// Image sizes (see FloorSetting): small unless a test's bounds need larger ones.
 constexpr int kUsual = 0, kSmall = 3;
 
-/// Two cameras over the halves of a field whose lines are off by some millimetres.
+/// Two cameras over the halves of a field, refined separately. `given`: how exact its lines are.
 Pair two_halves(int size, const PaintedFloor& given) {
   Pair out;
   out.a = floor_camera({size});
@@ -45,13 +45,13 @@ Pair two_halves(int size, const PaintedFloor& given) {
   return out;
 }
 
-/// The same with exact lines, in small pictures.
+/// The same with exact lines, in small images.
 const Pair& exact_halves() {
   static const Pair pair = two_halves(kSmall, {});
   return pair;
 }
 
-/// Robots that both cameras see, to 0.1 px.
+/// Robots that both cameras see, with a noise of 0.1 px.
 std::vector<OverlapTie> robots_in_both(const Pair& pair) {
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0, 0.1);
@@ -85,10 +85,10 @@ TEST(RefineJointly, CamerasAgreeWhereBothSee) {
     EXPECT_LT(overlap_mm(joint.cameras[0], joint.cameras[1], 0), 0.7);
     EXPECT_LT(overlap_mm(joint.cameras[0], joint.cameras[1], 0), before_mm);
     EXPECT_LT(overlap_mm(joint.cameras[0], joint.cameras[1], 150), 0.8);
-    // It says so itself.
+    // The result says so.
     EXPECT_GT(joint.overlapping_patches, 50);
     EXPECT_LT(joint.disagreement_mm, joint.disagreement_before_mm);
-    // The field as a whole stays where the lines are.
+    // The field as a whole stays aligned with its lines.
     EXPECT_LT(field_error_mm(pair.a, joint.cameras[0], pair.field, 0), 1.5 * 1.5);
     EXPECT_LT(field_error_mm(pair.b, joint.cameras[1], pair.field, 0), 1.5 * 1.5);
   }
@@ -115,15 +115,15 @@ TEST(RefineJointly, OneCameraHasNobodyToDisagreeWith) {
 TEST(RefineJointly, AStopEndsTheSolver) {
   const Pair& pair = exact_halves();
   ASSERT_EQ(pair.seen.size(), 2U);
-  // So many that one step takes seconds.
+  // So many ties that one solver step takes seconds.
   std::vector<OverlapTie> ties;
   for (const OverlapTie& tie : robots_in_both(pair)) ties.insert(ties.end(), 30, tie);
   std::stop_source stop;
   stop.request_stop();
-  const std::clock_t begin = std::clock();  // of the processor: others on it do not count
+  const std::clock_t begin = std::clock();  // CPU time: other processes do not count
   refine_jointly(pair.seen, pair.curves, ties, stop.get_token());
   EXPECT_LT(std::clock() - begin, 3 * CLOCKS_PER_SEC);
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::refine_jointly_test

@@ -30,14 +30,14 @@
 #include <dlfcn.h>
 #include <gmock/gmock.h>
 
-// The library's headers convert as C does.
+// The library's headers use implicit conversions of C.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpedantic"
 #pragma GCC diagnostic ignored "-Wconversion"
 #include <arv.h>
 #pragma GCC diagnostic pop
 
-namespace sslv {
+namespace sslv::aravis_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -50,7 +50,7 @@ std::uint8_t pixel(int number, int place) {
   return static_cast<std::uint8_t>(7 * place + place / 251 + 31 * number);
 }
 
-/// A camera on the loopback interface whose pictures can be told apart and recomputed.
+/// A fake camera on the loopback interface. pixel() computes each image's pixels from its number.
 class Gige : public testing::Test {
  protected:
   void SetUp() override { plug_in(); }
@@ -75,7 +75,7 @@ class Gige : public testing::Test {
       try {
         source = aravis_backend().open(complete, {});
       } catch (const CaptureError& error) {
-        // The library waits a second for an answer, which comes later on a busy computer now and then.
+        // The library waits one second for an answer; on a busy computer, it sometimes takes longer.
         if (std::string(error.what()).find("cannot be opened") == std::string::npos) throw;
       }
       return source != nullptr;
@@ -95,7 +95,7 @@ class Gige : public testing::Test {
   std::optional<GigeServer> server_;
 };
 
-/// The next that is not kTimeout.
+/// The next status other than kTimeout.
 CaptureStatus next(Source& source, CapturedImage& image, std::string& problem) {
   CaptureStatus status = CaptureStatus::kTimeout;
   test::becomes([&] {
@@ -105,7 +105,7 @@ CaptureStatus next(Source& source, CapturedImage& image, std::string& problem) {
   return status;
 }
 
-/// The first picture; others before it are allowed to come damaged.
+/// The next complete image; skips damaged ones.
 CapturedImage next_picture(Source& source) {
   CapturedImage image;
   std::string problem;
@@ -143,12 +143,12 @@ TEST_F(Gige, PicturesArriveUnchanged) {
   }
 }
 
-/// Lowest bits first, as "p" says.
+/// GenICam's "p" packing: lowest bits first.
 GigeServer::Pack packed_p(std::size_t bits) {
   return [bits](const std::uint8_t* pixels, std::size_t count, std::uint8_t* packed) {
     std::fill_n(packed, count * bits / 8, std::uint8_t{0});
     for (std::size_t i = 0; i < count; ++i) {
-      // Noise below the upper eight bits.
+      // A pattern below the upper eight bits.
       const unsigned value = (pixels[i] << (bits - 8)) | (i & ((1u << (bits - 8)) - 1));
       for (std::size_t bit = 0; bit < bits; ++bit) {
         const std::size_t place = i * bits + bit;
@@ -158,7 +158,7 @@ GigeServer::Pack packed_p(std::size_t bits) {
   };
 }
 
-/// What packed_p() and its like put below the upper eight bits.
+/// Expects the pattern that packed_p() and similar functions put below the upper eight bits.
 void expect_low_bits(const ImageView& view, std::size_t bits) {
   ASSERT_NE(view.to_low_bits, 0);
   const std::uint8_t* low = view.data + view.to_low_bits;
@@ -174,7 +174,7 @@ TEST_F(Gige, ForgedPacketsShowNothingAndEndNothing) {
   const UdpForger forger;
   const std::uint16_t port = forger.stream_port_of(kAddress);
   constexpr std::uint32_t kBytes = 320 * 240;
-  // Far from the camera's own numbers, which would be late behind them.
+  // Far from the camera's own frame ids: just below a forged one, they would count as late.
   std::uint64_t frame = 0x4000;
   bool was_refused = false;
   const auto expect_our_own = [&] {
@@ -200,7 +200,7 @@ TEST_F(Gige, ForgedPacketsShowNothingAndEndNothing) {
   };
   const auto trailer = [&](std::uint32_t id) { return gvsp_extended_packet(GvspKind::kTrailer, frame, id); };
 
-  // As large as the buffer and larger, and nothing of it comes.
+  // Leaders that claim the buffer's size or more, without payload.
   send({leader(gvsp_multipart_leader({{320, 240, kBytes}}), 1), trailer(1)});
   EXPECT_TRUE(was_refused);
   send({leader(gvsp_multipart_leader({{700, 700, 490'000}}), 1), trailer(1)});
@@ -209,11 +209,11 @@ TEST_F(Gige, ForgedPacketsShowNothingAndEndNothing) {
   send({leader(gvsp_multipart_leader({{320, 240, kBytes, kGvspMono8, 10}}), 1), trailer(1)});
   send({leader(gvsp_image_leader(320, 240)), trailer(1)});
   send({leader(gvsp_image_leader(320, 240, kGvspMono8, kGvspImage, 65535)), trailer(1)});
-  // Chunks of what never came.
+  // Leaders that claim chunks, without payload.
   send({leader(gvsp_image_leader(320, 240, kGvspMono8, kGvspImage | kGvspWithChunks)), trailer(1)});
   send({leader(gvsp_multipart_leader({{320, 240, kBytes}}, kGvspMultipartImage | kGvspWithChunks), 1),
         trailer(1)});
-  // Numbers that the library takes memory for, or copies to.
+  // Numbers by which the library allocates memory or chooses where to copy.
   send({trailer(0xfffffffe)});
   send(
       {trailer(0xffffff), gvsp_extended_packet(GvspKind::kPayload, frame, 0xfffff0, std::string(1000, 'x'))});
@@ -230,34 +230,34 @@ TEST(AravisPictures, AreWhatCameAndLiesInTheBuffer) {
   const std::vector<std::uint8_t> buffer(kBytes + 100);
   const ClaimedPicture good{ARV_PIXEL_FORMAT_MONO_8, 320, 240, 0, 0, kBytes, kBytes, kBytes + 100};
   std::string problem;
-  const auto is_sound = [&](const auto& change) {
+  const auto is_valid = [&](const auto& change) {
     ClaimedPicture claimed = good;
     change(claimed);
     const SentPicture sent = sound_picture(claimed, buffer.data(), problem);
     return sent.format != nullptr;
   };
   using Claimed = ClaimedPicture&;
-  EXPECT_TRUE(is_sound([](Claimed) {}));
-  EXPECT_TRUE(is_sound([](Claimed it) { it.offset = 100, it.came += 100; }));
-  EXPECT_TRUE(is_sound([](Claimed it) { it.height = 120, it.padding_bytes = 320; }));
-  EXPECT_FALSE(is_sound([](Claimed it) { it.came = 0; }));
+  EXPECT_TRUE(is_valid([](Claimed) {}));
+  EXPECT_TRUE(is_valid([](Claimed it) { it.offset = 100, it.came += 100; }));
+  EXPECT_TRUE(is_valid([](Claimed it) { it.height = 120, it.padding_bytes = 320; }));
+  EXPECT_FALSE(is_valid([](Claimed it) { it.came = 0; }));
   EXPECT_EQ(problem, "0 bytes came; 320x240 of format 0x01080001 needs 76800");
-  EXPECT_FALSE(is_sound([](Claimed it) { --it.came; }));
-  EXPECT_FALSE(is_sound([](Claimed it) { --it.bytes; }));
-  EXPECT_FALSE(is_sound([](Claimed it) { it.offset = 1; }));
-  EXPECT_FALSE(is_sound([](Claimed it) { it.offset = 101, it.came += 1000; }));
+  EXPECT_FALSE(is_valid([](Claimed it) { --it.came; }));
+  EXPECT_FALSE(is_valid([](Claimed it) { --it.bytes; }));
+  EXPECT_FALSE(is_valid([](Claimed it) { it.offset = 1; }));
+  EXPECT_FALSE(is_valid([](Claimed it) { it.offset = 101, it.came += 1000; }));
   EXPECT_FALSE(
-      is_sound([](Claimed it) { it.offset = -std::uintptr_t{1}, it.came = it.bytes = ~std::size_t{0}; }));
-  EXPECT_FALSE(is_sound([](Claimed it) { it.allocated = kBytes - 1; }));
+      is_valid([](Claimed it) { it.offset = -std::uintptr_t{1}, it.came = it.bytes = ~std::size_t{0}; }));
+  EXPECT_FALSE(is_valid([](Claimed it) { it.allocated = kBytes - 1; }));
   EXPECT_FALSE(
-      is_sound([](Claimed it) { it.width = 16384, it.height = 16384, it.bytes = it.came = 1U << 28; }));
-  EXPECT_FALSE(is_sound([](Claimed it) { it.padding_bytes = 1; }));
-  EXPECT_FALSE(is_sound([](Claimed it) { it.padding_bytes = -1; }));
-  EXPECT_FALSE(is_sound([](Claimed it) { it.width = -2; }));
-  EXPECT_FALSE(is_sound([](Claimed it) { it.format = 7; }));
+      is_valid([](Claimed it) { it.width = 16384, it.height = 16384, it.bytes = it.came = 1U << 28; }));
+  EXPECT_FALSE(is_valid([](Claimed it) { it.padding_bytes = 1; }));
+  EXPECT_FALSE(is_valid([](Claimed it) { it.padding_bytes = -1; }));
+  EXPECT_FALSE(is_valid([](Claimed it) { it.width = -2; }));
+  EXPECT_FALSE(is_valid([](Claimed it) { it.format = 7; }));
   EXPECT_EQ(problem, "320x240 pixels of format 0x00000007 are not supported");
-  EXPECT_TRUE(is_sound([](Claimed it) { it.format = ARV_PIXEL_FORMAT_YUV_411_PACKED, it.width = 4; }));
-  EXPECT_FALSE(is_sound([](Claimed it) { it.format = ARV_PIXEL_FORMAT_YUV_411_PACKED, it.width = 6; }));
+  EXPECT_TRUE(is_valid([](Claimed it) { it.format = ARV_PIXEL_FORMAT_YUV_411_PACKED, it.width = 4; }));
+  EXPECT_FALSE(is_valid([](Claimed it) { it.format = ARV_PIXEL_FORMAT_YUV_411_PACKED, it.width = 6; }));
 }
 
 TEST_F(Gige, DeeperPixelsKeepAllTheirBits) {
@@ -298,7 +298,7 @@ TEST_F(Gige, DeeperPixelsKeepAllTheirBits) {
 }
 
 TEST_F(Gige, LowBitsOfACameraReachTheFits) {
-  // A disc of .75 levels above its ground of 50, for which 8 bits say 50 everywhere.
+  // A disc 0.75 levels above a background of 50: in 8 bits, both are 50.
   constexpr double kU = 160, kV = 120, kRadiusPx = 6;
   server_->send_packed(0x01100011, [](const std::uint8_t*, std::size_t count, std::uint8_t* packed) {
     for (std::size_t i = 0; i < count; ++i) {
@@ -310,7 +310,7 @@ TEST_F(Gige, LowBitsOfACameraReachTheFits) {
   });
   const auto source = open();
   const CapturedImage image = next_picture(*source);
-  const PlanePatch patch{{kU, kV}, {0, 0}, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0};  // a millimetre each pixel
+  const PlanePatch patch{{kU, kV}, {0, 0}, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0};  // 1 mm per pixel
   DiscMeter meter;
   const DiscFit fit = fit_disc(meter.measure(image.image.view(), patch, {0, 0, kRadiusPx, 4}, {}, 0.3));
   ASSERT_TRUE(fit.ok);
@@ -339,7 +339,7 @@ TEST_F(Gige, MonoPicturesArriveUnchanged) {
   }
 }
 
-/// Whether all of it is of one and the same picture that was sent.
+/// Whether all pixels are of the same sent image.
 bool is_whole(const ImageView& view) {
   const int number = (view.data[0] - pixel(0, 0)) * 223;  // 31 * 223 = 1 modulo 256
   for (int i = 0; i < view.width * view.height; ++i) {
@@ -349,9 +349,9 @@ bool is_whole(const ImageView& view) {
 }
 
 struct Taken {
-  int whole = 0, torn = 0, refused = 0;  // because packets are missing
+  int whole = 0, torn = 0, refused = 0;  // refused: packets are missing
 };
-/// What comes of pictures until that is enough.
+/// Counts received images until `is_enough`.
 Taken take_until(Source& source, const std::function<bool(const Taken&)>& is_enough) {
   Taken taken;
   EXPECT_TRUE(test::becomes([&] {
@@ -414,13 +414,13 @@ TEST_F(Gige, PicturesHaveTimes) {
   EXPECT_LT(first.times.t_capture_s, second.times.t_capture_s);
   ASSERT_TRUE(first.times.t_capture_camera_s && second.times.t_capture_camera_s);
   EXPECT_LT(*first.times.t_capture_camera_s, *second.times.t_capture_camera_s);
-  // From nothing but its arrival, until the camera's clock is known.
+  // Until the camera's clock is known, the time comes from the arrival alone.
   EXPECT_FALSE(first.times.t_capture_sigma_s);
   EXPECT_TRUE(test::becomes([&] { return next_picture(*source).times.t_capture_sigma_s.has_value(); }));
 }
 
 TEST_F(Gige, TheClockOfACameraWithPtpIsTheHosts) {
-  // The played camera's clock is this computer's.
+  // The fake camera uses this computer's clock.
   const auto source = open({{"controls", {{"PtpEnable", true}, {"ExposureTimeAbs", 2000}}}});
   EXPECT_TRUE(source->warnings().empty());
   CapturedImage image;
@@ -437,12 +437,13 @@ TEST_F(Gige, AnAutomaticExposureIsFollowed) {
     const CapturedImage image = next_picture(*source);
     return image.times.t_capture_s - *image.times.t_capture_camera_s;
   };
-  // Until its clock is known, from the arrival: about none of which, and half the exposure before it.
+  // Until the camera's clock is known, t_capture_s is half the exposure before the arrival. The fake camera's
+  // images arrive at about t_capture_camera_s.
   server_->set_exposure(300000);
   EXPECT_TRUE(test::becomes([&] { return shift_s() < -0.1; }));
 }
 
-/// Holds back what the camera answers when it is asked for its exposure, until the test lets it go.
+/// Delays the camera's answer to exposure queries until the test counts down let_go.
 struct HeldAnswer {
   void ask() {
     if (std::this_thread::get_id() == pictures_taken_by) {
@@ -460,10 +461,10 @@ struct HeldAnswer {
   static inline std::atomic<HeldAnswer*> newest{nullptr};
 };
 
-/// What the camera answers in place of its packet size; 0: nothing in time.
+/// Replaces the packet size that the camera reports; 0: it does not answer in time.
 std::optional<guint> told_packet_bytes;
 
-/// Requests for this register of the camera do not reach it; 0: all do.
+/// Requests for this register do not reach the camera; 0: all do.
 std::atomic<guint32> unanswered_register{0};
 
 bool is_unanswered(const char* packet, std::size_t size) {
@@ -476,34 +477,35 @@ bool is_unanswered(const char* packet, std::size_t size) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::aravis_test
 
-/// In the place of the library's, which it calls.
+/// Replaces the library's function and calls it.
 extern "C" double arv_camera_get_exposure_time(ArvCamera* camera, GError** error) {
   static const auto real =
       reinterpret_cast<double (*)(ArvCamera*, GError**)>(dlsym(RTLD_NEXT, "arv_camera_get_exposure_time"));
-  if (sslv::HeldAnswer* held = sslv::HeldAnswer::newest) held->ask();
+  if (sslv::aravis_test::HeldAnswer* held = sslv::aravis_test::HeldAnswer::newest) held->ask();
   return real(camera, error);
 }
 extern "C" guint arv_camera_gv_get_packet_size(ArvCamera* camera, GError** error) {
   static const auto real =
       reinterpret_cast<guint (*)(ArvCamera*, GError**)>(dlsym(RTLD_NEXT, "arv_camera_gv_get_packet_size"));
-  if (sslv::told_packet_bytes == 0U)
+  if (sslv::aravis_test::told_packet_bytes == 0U)
     g_set_error_literal(error, ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_TIMEOUT, "it does not answer");
-  return sslv::told_packet_bytes ? *sslv::told_packet_bytes : real(camera, error);
+  return sslv::aravis_test::told_packet_bytes ? *sslv::aravis_test::told_packet_bytes : real(camera, error);
 }
-/// A request that cannot be sent is repeated at once; the library waits seconds for an answer that is lost.
-/// The error in the end is the same.
+/// Fails to send the request instead of losing it: the library then retries at once, rather than waiting
+/// seconds for an answer. The final error is the same.
 extern "C" gssize g_socket_send_to(GSocket* socket, GSocketAddress* address, const gchar* packet, gsize size,
                                    GCancellable* cancellable, GError** error) {
   static const auto real =
       reinterpret_cast<decltype(&g_socket_send_to)>(dlsym(RTLD_NEXT, "g_socket_send_to"));
-  if (!sslv::is_unanswered(packet, size)) return real(socket, address, packet, size, cancellable, error);
+  if (!sslv::aravis_test::is_unanswered(packet, size))
+    return real(socket, address, packet, size, cancellable, error);
   g_set_error_literal(error, G_IO_ERROR, G_IO_ERROR_HOST_UNREACHABLE, "lost by the test");
   return -1;
 }
 
-namespace sslv {
+namespace sslv::aravis_test {
 namespace {
 
 TEST_F(Gige, ACameraThatDoesNotSayItsPacketSizeIsNotOpen) {
@@ -596,7 +598,7 @@ TEST_F(Gige, ControlsAreSetWhileItRuns) {
   EXPECT_EQ(controls->get("GainRaw").value, 7);
   controls->set("ExposureTimeAbs", 2500.0);
   EXPECT_EQ(controls->get("ExposureTimeAbs").value, 2500.0);
-  // What changes the size of pictures cannot be changed under a running stream.
+  // Controls that change the image size cannot be set while streaming.
   EXPECT_TRUE(controls->get("Width").reopens);
   EXPECT_FALSE(controls->get("GainRaw").reopens);
   EXPECT_THROW(controls->set("Width", 100), NeedsReopening);
@@ -626,7 +628,7 @@ TEST_F(Gige, ControlsOfTheSettingsAreSetAtTheOpening) {
   EXPECT_EQ(source->controls()->get("GainRaw").value, 5);
   ASSERT_EQ(source->warnings().size(), 1u);
   EXPECT_THAT(source->warnings()[0], HasSubstr("ExposureTimeAbs: -4 is not allowed; expected a number from"));
-  expect_our_pixels(next_picture(*source).image.view());  // all the same
+  expect_our_pixels(next_picture(*source).image.view());  // it still streams
 }
 
 TEST_F(Gige, WhatASelectorChoosesIsAControlForEachChoice) {
@@ -651,13 +653,14 @@ TEST_F(Gige, WhatASelectorChoosesIsAControlForEachChoice) {
   EXPECT_EQ(controls->get("BalanceRatio[Red]").value, red);
   EXPECT_EQ(controls->get("BalanceRatio[Blue]").value, 150);
 
-  // As settings of before name them: that of the choice that is set.
+  // Older settings use this name, for the control of the selected choice.
   EXPECT_EQ(controls->get("BalanceRatioSelector").value, "Red");
   EXPECT_EQ(controls->get("BalanceRatio").value, red);
   EXPECT_THROW(controls->get("BalanceRatio[Green]"), SettingsError);
   EXPECT_THROW(controls->get("GainRaw[Red]"), SettingsError);
 
-  // Of other selectors: shown for what is selected, and nothing to set back, as that would be another one.
+  // Controls of other selectors show the value of the selected item. They are not restored: with another
+  // selection, that would change another item.
   EXPECT_TRUE(all["LineInverter"].depends);
   EXPECT_TRUE(all["LineSelector"].depends);
   EXPECT_FALSE(all["GainRaw"].depends);
@@ -721,7 +724,7 @@ std::uint64_t allocations_for_pictures(Source& source, int count) {
   for (int i = 0; i < 10; ++i) next_picture(source);
   std::uint64_t allocations = 0;
   int images = 0;
-  // A packet may get lost here; what tells of it allocates.
+  // A packet may get lost here; reporting that allocates.
   EXPECT_TRUE(test::becomes([&] {
     const std::uint64_t before = allocation_count();
     if (next(source, image, problem) == CaptureStatus::kImage) {
@@ -757,7 +760,7 @@ TEST_F(Gige, ASilentCameraIsLost) {
   CapturedImage image;
   std::string problem;
   CaptureStatus status = CaptureStatus::kTimeout;
-  // A busy computer's pictures may come too late.
+  // On a busy computer, images may arrive too late.
   ASSERT_TRUE(test::becomes([&] {
     source.reset();
     source = open({{"silence_s", 1}});
@@ -770,10 +773,10 @@ TEST_F(Gige, ASilentCameraIsLost) {
   }
   EXPECT_EQ(status, CaptureStatus::kLost);
   EXPECT_EQ(problem, "camera \"127.0.0.1\": no image for 1 s");
-  plug_in();  // closing would wait for its answers
+  plug_in();  // otherwise closing waits for answers
 }
 
-/// A camera that has restarted knows nothing of us; only its answers to the heartbeat tell.
+/// A restarted camera does not know this client any more; only its answers to the heartbeat show that.
 TEST_F(Gige, ARestartedCameraIsLost) {
   const auto source = open({{"silence_s", 3600}});
   next_picture(*source);
@@ -825,14 +828,14 @@ TEST_F(Gige, IsListedAndOpenedBySerial) {
   ASSERT_TRUE(test::becomes([&] {
     try {
       source = open({{"camera", kSerial}});
-    } catch (const CaptureError&) {  // it answers too late for this search
+    } catch (const CaptureError&) {  // it answered too late for this search
     }
     return source != nullptr;
   }));
   expect_our_pixels(next_picture(*source).image.view());
 }
 
-/// The address of a network card of this machine, for a second camera; empty: it has none.
+/// The address of a network card of this machine, for a second camera; empty if there is none.
 std::string card_address() {
   for (const NetworkCard& card : network_cards()) {
     if (!card.is_loopback && !card.addresses.empty()) return card.addresses.front().to_string();
@@ -840,8 +843,8 @@ std::string card_address() {
   return "";
 }
 
-/// Two of the same kind but for their width. No pictures are taken: with a packet socket none pass between a
-/// machine and a card of its own.
+/// Two cameras that differ only in width. No images are captured: a packet socket receives none that a
+/// machine sends to its own card.
 TEST(AravisSerials, CamerasThatSwapAddressesKeepTheirNames) {
   const std::string other_address = card_address();
   if (other_address.empty()) GTEST_SKIP() << "no network card for the second camera";
@@ -850,7 +853,7 @@ TEST(AravisSerials, CamerasThatSwapAddressesKeepTheirNames) {
     server->set_defaults(width, 48, PixelFormat::kMono8, 100);
     return server;
   };
-  // What the last search found is believed for a moment.
+  // The results of the last search stay in use for a moment.
   const auto width_of = [](const std::string& serial) {
     int width = 0;
     test::becomes([&] {
@@ -902,4 +905,4 @@ TEST(Aravis, UnknownOptionsAreRefused) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::aravis_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::buffer_pool_test {
 namespace {
 
 TEST(BufferPool, LendsEachBufferOnceAtATime) {
@@ -60,4 +60,4 @@ TEST(BufferPool, LiesInMemoryForOthersWhereThatIsWanted) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::buffer_pool_test

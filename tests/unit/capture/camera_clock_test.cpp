@@ -8,16 +8,16 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::camera_clock_test {
 namespace {
 
-/// Pictures of a camera whose clock drifts and steps; on their way they are held up by chance.
+/// Images of a camera whose clock drifts and steps; they arrive with random delays.
 class Simulated {
  public:
   double fps = 60, drift = 0, delay_s = 0.0003;
   double camera_offset_s = 1000;
 
-  /// Goes on for so long; errors in seconds after the first `settle_s`.
+  /// Simulates `seconds`. Returns the absolute errors in s after the first `settle_s`.
   std::vector<double> run(double seconds, double settle_s) {
     std::vector<double> errors;
     const double end_s = t_s_ + seconds, settled_s = t_s_ + settle_s;
@@ -92,9 +92,9 @@ TEST(CameraClock, FromTheFirstPictureOn) {
   const auto first = clock.add(77, 1234.5);
   EXPECT_DOUBLE_EQ(first.t_host_s, 1234.5);
   EXPECT_FALSE(first.settled);
-  // The second picture was less late than the first.
+  // The second image arrived with less delay than the first.
   EXPECT_NEAR(clock.add(77.5, 1234.9).t_host_s, 1234.9, 1e-9);
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::camera_clock_test

@@ -18,16 +18,16 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::camera_thread_test {
 namespace {
 
 using std::chrono::milliseconds;
 
 constexpr CameraDelays kAtOnce{milliseconds(0), milliseconds(0), test::kPatience};
-/// Of a camera that is left behind when it is to stop.
+/// stop() abandons the camera almost at once.
 constexpr CameraDelays kLeftBehind{milliseconds(0), milliseconds(0), milliseconds(1)};
 
-/// A camera whose behaviour a test writes down step by step. Outlives the threads that use it.
+/// A fake camera that plays steps given by a test. Outlives the threads that use it.
 class FakeCamera {
  public:
   struct Step {
@@ -56,7 +56,7 @@ class FakeCamera {
     block(blocks_opening_, false);
   }
 
-  /// From now on each picture asked for becomes this, at once and without end, once the steps are played.
+  /// After the queued steps, each call of next() plays this step at once.
   void play_forever(const Step& step) {
     const std::lock_guard lock(mutex_);
     forever_ = step;
@@ -122,7 +122,7 @@ class FakeCamera {
       }
       return step.status;
     }
-    /// As if the driver had thrown one away for each it handed over.
+    /// As if the driver had dropped one image for each delivered one.
     std::uint64_t dropped() const noexcept override { return images_; }
 
    private:
@@ -162,7 +162,7 @@ FakeCamera::Step throwing(const std::string& why) {
   return {CaptureStatus::kImage, why, true};
 }
 
-/// Until the camera thread's health is as wanted; the last one seen when it never is.
+/// Waits until the thread's health is `wanted` and returns it; after a timeout, returns the last one.
 CameraHealth wait_for(const CameraThread& thread, const std::function<bool(const CameraHealth&)>& wanted) {
   CameraHealth health;
   test::becomes([&] {
@@ -334,7 +334,7 @@ TEST_F(CameraThreadTest, ReopensWhileTheDeadOneIsStillClosing) {
   EXPECT_EQ(camera_->wait_for_closed(2), 2);
 }
 
-/// However fast it fails, the waits between the attempts grow: 1 + 2 + 4 + ... ms before the last one.
+/// However fast the camera fails, the pauses between attempts grow: 1 + 2 + 4 + ... ms before the last one.
 void expect_growing_waits(FakeCamera& camera, std::chrono::steady_clock::time_point start) {
   constexpr int kAttempts = 9;
   EXPECT_GE(camera.wait_for_attempts(kAttempts), kAttempts);
@@ -387,7 +387,7 @@ TEST_F(CameraThreadTest, WritesFewLinesOfAStorm) {
         2U * kLosses);
   }
   const std::string log = testing::internal::GetCapturedStderr();
-  // Damaged images are told once a second, however many seconds the storm takes here.
+  // Damaged images are logged once a second, and the storm may take several seconds.
   EXPECT_LT(static_cast<double>(std::count(log.begin(), log.end(), '\n')), 20 + steady_s() - begin_s) << log;
 }
 
@@ -400,7 +400,7 @@ TEST_F(CameraThreadTest, ASourceThatFailsAtOnceWithoutEndIsNotAskedWithoutPause)
   EXPECT_GE(std::chrono::steady_clock::now() - begin, milliseconds(kDamaged - 20));
 }
 
-/// What no driver should hand over, in a picture of 4x2 UYVY pixels.
+/// Gives the view of the 4x2 UYVY image a value that no driver should deliver.
 template <class T, T ImageView::*member, int value>
 void set_view(CapturedImage& image) {
   ImageView view = image.image.view();
@@ -510,7 +510,7 @@ TEST_F(CameraThreadTest, StopClosesTheCamera) {
   wait_for(*thread, frames(1));
   thread->stop();
   EXPECT_EQ(camera_->closed(), 1);
-  thread->stop();  // again: nothing
+  thread->stop();  // again: no effect
 }
 
 TEST_F(CameraThreadTest, StopInterruptsTheWaitBeforeTheNextAttempt) {
@@ -544,7 +544,7 @@ TEST_F(CameraThreadTest, StopLeavesACameraBehindThatDoesNotOpen) {
 }
 
 TEST_F(CameraThreadTest, CamerasThatDoNotOpenAreWaitedForTogether) {
-  // So many that one after the other would take longer than anything here may.
+  // So many cameras that waiting for one after the other would exceed kPatience.
   constexpr CameraDelays kDelays{.stop = milliseconds(2000)};
   constexpr int kCameras = test::kPatience / kDelays.stop + 1;
   camera_->block_opening();
@@ -742,4 +742,4 @@ TEST_F(CameraThreadTest, AThreadThatIsHeldWhileItAsksForTheHealthDelaysNoPicture
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::camera_thread_test

@@ -13,16 +13,15 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::control_queue_test {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::Pair;
 
-/// Its automatic exposure measures whenever somebody reads and locks the time; setting the gain ends the
-/// automatic gain; a width needs the camera reopened; the position goes on by itself. It counts what it is
-/// asked.
+/// A camera that counts calls. Automatic exposure locks the exposure time and changes it on each read;
+/// setting the gain ends automatic gain; a new width requires reopening; the position changes on each read.
 class MeasuringCamera : public Controls {
  public:
   MeasuringCamera() {
@@ -65,7 +64,7 @@ class MeasuringCamera : public Controls {
 
   std::atomic<int> reads{0}, writes{0}, resets{0};
   std::function<void()> on_write = [] {};
-  std::string silent;  // a control, or none
+  std::string silent;  // a control that does not answer; empty: none
 
  private:
   Control& add(const char* name, ControlKind kind, const Json& value) {
@@ -98,7 +97,7 @@ class MeasuringCamera : public Controls {
   }
   std::mutex mutex_;
   std::vector<Control> all_;
-  std::atomic<int> answers_ = -1;  // that still come to get(); negative: all
+  std::atomic<int> answers_ = -1;  // that get() still gives; negative: all
 };
 
 const Json kNothing = Json::object();
@@ -115,7 +114,7 @@ class ControlQueueTest : public testing::Test {
     for (const auto& one : queue_.unsaved(saved)) out.push_back(one.control.name);
     return out;
   }
-  /// What the camera refuses as settings are saved.
+  /// Saves settings. Returns what the camera refuses.
   ControlQueue::Refusals save(const Json& before, const Json& wanted) {
     queue_.plan(before, wanted, "/controls");
     return queue_.apply(before, wanted)();
@@ -204,7 +203,7 @@ TEST_F(ControlQueueTest, OneThatIsLockedIsNotSaidToBeSetBack) {
 }
 
 TEST_F(ControlQueueTest, OneThatWasSetIsRememberedAlsoWhenItCannotBeRead) {
-  camera_->answer_only(1);  // before it is set
+  camera_->answer_only(1);  // the read before setting
   EXPECT_ANY_THROW(queue_.set("ExposureTime", 2000.0));
   camera_->answer_only(-1);
   EXPECT_EQ(camera_->value("ExposureTime"), 2000);
@@ -313,7 +312,7 @@ TEST_F(ControlQueueTest, ValuesComeBeforeModesAndAreSetAgainWhereModesLockedThem
 
 TEST_F(ControlQueueTest, ASliderMayMoveWhileAnotherBrowserSaves) {
   queue_.set("Gain", 9);
-  // The other one saves while the camera is being asked.
+  // The other browser saves while the camera is being set.
   std::function<ControlQueue::Refusals()> saved;
   std::once_flag once;
   camera_->on_write = [&] { std::call_once(once, [&] { saved = queue_.apply(kNothing, {{"Gain", 9}}); }); };
@@ -332,7 +331,7 @@ TEST_F(ControlQueueTest, ACameraThatDoesNotAnswerKeepsNobodyFromSaving) {
   answer.set_value();
 }
 
-/// The camera was closed and opened again with its saved controls, and has the values of `before` else.
+/// Makes `camera` the reopened `before`, with the saved controls and otherwise the values of `before`.
 void reopen(MeasuringCamera& camera, MeasuringCamera& before, const Json& saved) {
   for (const Control& control : before.list()) {
     if (control.kind != ControlKind::kAction && !control.reopens && control.writable)
@@ -375,7 +374,7 @@ TEST_F(ControlQueueTest, KnowsWhatTheCameraHadBeforeItWasSavedAtAnEarlierOpening
   reopen(*second, *camera_, saved);
   EXPECT_EQ(goes_back_to(*second), 1000);
   const auto reset = std::make_shared<MeasuringCamera>();
-  reset->put("ExposureTime", 500.0);  // it lost its power
+  reset->put("ExposureTime", 500.0);  // after a power loss
   EXPECT_THAT(reset->queue().open_with(saved), IsEmpty());
   reset->queue().begin(second);
   reset->queue().list();
@@ -410,4 +409,4 @@ TEST_F(ControlQueueTest, ARangeThatASliderMayHaveMovedRefusesNothing) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::control_queue_test

@@ -8,12 +8,12 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::controls_test {
 namespace {
 
 using ::testing::ElementsAre;
 
-/// A camera whose gain can be set only while its automatic is off.
+/// A camera whose gain can be set only while automatic gain is off.
 class FakeControls : public Controls {
  public:
   FakeControls() {
@@ -101,4 +101,4 @@ TEST(Controls, AsJson) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::controls_test

@@ -11,12 +11,12 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::driver_calls_test {
 namespace {
 
 using std::chrono::milliseconds;
 
-/// Of a camera that answers, however late.
+/// For a camera that always answers, however late.
 const DriverCalls kPatient(test::kPatience, test::kPatience);
 
 TEST(DriverCalls, ReturnOrThrowWhatTheDriverDoes) {
@@ -86,4 +86,4 @@ TEST(DriverCalls, NobodyWaitsOnceTheProgramEnds) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::driver_calls_test

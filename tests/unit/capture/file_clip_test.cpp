@@ -16,7 +16,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::file_clip_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -24,7 +24,7 @@ using std::chrono::milliseconds;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// A clip of two cameras with 5 frames each, 3 with images of 12 bits and 5 with parts of a larger one.
+/// A clip of two cameras with 5 frames each. Camera 3 has images of 12 bits, camera 5 parts of larger images.
 class ClipSource : public testing::Test {
  protected:
   ClipSource() {
@@ -62,7 +62,7 @@ class ClipSource : public testing::Test {
     }
     return "no error";
   }
-  /// One byte of the file becomes another.
+  /// Changes one byte of the file.
   void damage(std::uint64_t place) const {
     std::fstream file(path("kick.clip"), std::ios::binary | std::ios::in | std::ios::out);
     file.seekg(static_cast<std::streamoff>(place));
@@ -74,7 +74,7 @@ class ClipSource : public testing::Test {
   static constexpr std::array kTimes_s{0.0, 0.01, 0.02, 0.5, 0.51};
   test::TemporaryFolder folder_;
   std::array<std::array<OwnedImage, 5>, 2> images_;
-  std::vector<std::uint64_t> places_;  // where blocks of frames end
+  std::vector<std::uint64_t> places_;  // ends of the frames' blocks
 };
 
 struct Got {
@@ -108,7 +108,7 @@ TEST_F(ClipSource, GivesTheFramesOfACameraAsTheyWere) {
     }
     EXPECT_EQ(next_of(*source).status, CaptureStatus::kEnd);
   }
-  // Without saying which: the first.
+  // Without camera_id, the first camera is used.
   const auto source = open("kick.clip");
   EXPECT_EQ(next_of(*source).image.image.view().format, PixelFormat::kBayerGr8);
 }
@@ -121,7 +121,7 @@ TEST_F(ClipSource, KeepsTheTimesBetweenFrames) {
     ASSERT_EQ(next_of(*source, test::kPatience).status, CaptureStatus::kImage);
     times_s.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
   }
-  // Never too early; how late is the computer's business.
+  // Never too early; delays depend on the computer.
   for (std::size_t i = 1; i < 5; ++i) EXPECT_GE(times_s[i], kTimes_s[i] - 0.002) << i;
   EXPECT_EQ(next_of(*source, test::kPatience).status, CaptureStatus::kEnd);
 }
@@ -154,7 +154,7 @@ TEST_F(ClipSource, ARateOfItsOwnCounts) {
 }
 
 TEST_F(ClipSource, DamagedFramesAreNamedAndSkipped) {
-  damage(places_[1] - 20);  // in the pixels of camera 5's first
+  damage(places_[1] - 20);  // in the pixels of camera 5's first frame
   const auto source = open("kick.clip", {{"camera_id", 5}, {"frame_rate_hz", 0}});
   const Got bad = next_of(*source);
   EXPECT_EQ(bad.status, CaptureStatus::kIncomplete);
@@ -187,7 +187,7 @@ TEST_F(ClipSource, WhatCannotBeShownIsNamed) {
   std::ofstream(path("a.raw")) << "12345678";
   EXPECT_THAT(refusal("a.raw", {{"camera_id", 3}, {"pixel_format", "mono8"}, {"width", 4}, {"height", 2}}),
               HasSubstr("only a clip (.clip) has cameras"));
-  // A clip in a folder of images is none of them.
+  // Clips in a folder of images are skipped.
   const auto source =
       open("", {{"pixel_format", "mono8"}, {"width", 4}, {"height", 2}, {"frame_rate_hz", 0}});
   EXPECT_EQ(next_of(*source).image.name, "a");
@@ -199,9 +199,9 @@ TEST(PlaybackByTimes, NoTimeOfAFileIsWaitedForForever) {
   EXPECT_EQ(playback.wait_turn(milliseconds(0)), 0);
   EXPECT_FALSE(playback.wait_turn(milliseconds(1)));
   playback.set("speed", 100.0);
-  EXPECT_EQ(playback.wait_turn(milliseconds(0)), 1);  // a control was set
+  EXPECT_EQ(playback.wait_turn(milliseconds(0)), 1);  // because a control was set
   EXPECT_EQ(playback.wait_turn(milliseconds(0)), 2);
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::file_clip_test

@@ -8,7 +8,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::file_playback_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -24,7 +24,7 @@ TEST(Playback, GoesOnByItself) {
 TEST(Playback, BeginsAgainWhenItLoops) {
   Playback playback(10, 0, true);
   EXPECT_EQ(playback.wait_turn(milliseconds(0)), 0);
-  EXPECT_TRUE(playback.begin_again(1));  // picture 0 is shown instead
+  EXPECT_TRUE(playback.begin_again(1));  // image 0 is shown instead
   EXPECT_EQ(playback.wait_turn(milliseconds(0)), 1);
   EXPECT_EQ(playback.get("position").most, 0);
 }
@@ -64,7 +64,7 @@ TEST(Playback, AThreadThatIsHeldWhileItSetsAControlDelaysNoPicture) {
 TEST(Playback, RefusesWhatItHasNot) {
   Playback playback(10, 0, false);
   EXPECT_THROW(playback.set("position", 10), SettingsError);
-  EXPECT_THROW(playback.set("speed", 2.0), SettingsError);  // without a rate of its own
+  EXPECT_THROW(playback.set("speed", 2.0), SettingsError);  // it has no frame rate
   EXPECT_THROW(playback.set("rewind", true), SettingsError);
   Playback paced(10, 30, false);
   paced.set("speed", 2.0);
@@ -72,4 +72,4 @@ TEST(Playback, RefusesWhatItHasNot) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::file_playback_test

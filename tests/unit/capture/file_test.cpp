@@ -14,14 +14,14 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::file_test {
 namespace {
 
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// A folder of its own for each test.
+/// Each test has its own folder.
 class Files : public testing::Test {
  protected:
   Files() {
@@ -40,7 +40,7 @@ class Files : public testing::Test {
     return {std::istreambuf_iterator<char>(file), {}};
   }
 
-  /// Opens as fast as possible, unless the options say otherwise.
+  /// Plays as fast as possible unless `options` has a frame rate.
   std::unique_ptr<Source> open(const std::string& what, Json options = Json::object()) const {
     options["path"] = what;
     if (!options.contains("frame_rate_hz")) options["frame_rate_hz"] = 0;
@@ -58,7 +58,7 @@ class Files : public testing::Test {
   fs::path folder_;
 };
 
-/// A picture of smooth colours, different for each seed.
+/// An image of smooth colours, different for each seed.
 RgbPicture picture(int seed, int width = 48, int height = 32) {
   RgbPicture out{width, height};
   for (int y = 0; y < height; ++y) {
@@ -100,7 +100,7 @@ Taken next(Source& source) {
   return out;
 }
 
-/// The image that was searched for, which takes a video several turns.
+/// The image at the requested position; a video needs several calls to find it.
 Taken sought(Source& source) {
   for (;;) {
     Taken taken = next(source);
@@ -108,7 +108,7 @@ Taken sought(Source& source) {
   }
 }
 
-/// What a source gives until its end: "name" of pictures, "!problem" of damaged ones.
+/// All results until the end: the names of images, "!problem" for damaged ones.
 std::vector<std::string> all_of(Source& source) {
   std::vector<std::string> out;
   for (;;) {
@@ -240,7 +240,7 @@ TEST_F(Files, RawFramesNeedTheirSize) {
               HasSubstr("they are bayer_rg8, 9 and 4"));
 }
 
-// As `clip export` writes it, and as `simulate --raw` does.
+// In the formats of `clip export` and `simulate --raw`.
 TEST_F(Files, AFileBesideRawFramesTellsHowTheyLie) {
   write("frame.raw", std::string(64, 'x'));
   for (
@@ -256,7 +256,7 @@ TEST_F(Files, AFileBesideRawFramesTellsHowTheyLie) {
       EXPECT_EQ(taken.image.image.view().width, 8);
     }
   }
-  // What the settings say counts.
+  // Settings take precedence.
   const auto source = open(folder_.string(), {{"pixel_format", "mono8"}, {"width", 16}, {"height", 4}});
   EXPECT_EQ(next(*source).image.image.view().width, 16);
 }
@@ -289,7 +289,7 @@ TEST_F(Files, AFileBesideRawFramesThatTellsNothingIsRefusedByName) {
   EXPECT_EQ(refusal(folder_.string()), path("frames.json") +
                                            ": JSON that takes more than 48 MiB of memory; set pixel_format, "
                                            "width and height for the camera");
-  // Nor does anything else that has its name.
+  // A folder of that name is not used either.
   std::filesystem::remove(path("frames.json"));
   std::filesystem::create_directory(path("frames.json"));
   EXPECT_THAT(refusal(folder_.string()), HasSubstr("no frames.json tells them"));
@@ -385,7 +385,7 @@ TEST_F(Files, AnyPictureOfAVideoCanBeShown) {
   }
 }
 
-/// A turn takes no longer than it may, here no time at all: the rest is for the next one.
+/// A call takes no longer than its timeout, here 0; the next call continues.
 TEST_F(Files, SearchingAVideoDoesNotHoldUpTheCamerasThread) {
   for (const char* name : {"a.mkv", "a.mp4"}) {
     write_media(path(name), std::vector<RgbPicture>(60, picture(1)));
@@ -397,7 +397,7 @@ TEST_F(Files, SearchingAVideoDoesNotHoldUpTheCamerasThread) {
     EXPECT_EQ(taken.image.name, "a000050");
     EXPECT_GE(turns, 60) << "all of the file is read once, one packet a turn";
     EXPECT_EQ(next(*source).image.name, "a000051") << "it plays on";
-    // Another position while it is still searched for.
+    // Another position is set during the search.
     const auto again = open(path(name));
     again->controls()->set("position", 50);
     EXPECT_EQ(next(*again).status, CaptureStatus::kTimeout);
@@ -457,7 +457,7 @@ TEST_F(Files, UnknownOptionsAreRefused) {
                             "loop": false, "controls": {}})"));
 }
 
-/// Whatever bytes lie on the disk: pictures, problems and an end, nothing else.
+/// Any damaged file gives only images, problems and an end.
 TEST_F(Files, NoDamageBringsItDown) {
   write_media(path("good.png"), {picture(0)});
   write_media(path("good.bmp"), {picture(0)});
@@ -476,11 +476,11 @@ TEST_F(Files, NoDamageBringsItDown) {
       try {
         const auto source = open(path("bad" + ending));
         all_of(*source);
-      } catch (const CaptureError&) {  // a video may be beyond opening
+      } catch (const CaptureError&) {  // a damaged video may not open
       }
     }
   }
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::file_test

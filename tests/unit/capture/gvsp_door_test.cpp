@@ -14,7 +14,7 @@
 #include <linux/if_packet.h>
 #include <net/if.h>
 
-namespace sslv {
+namespace sslv::gvsp_door_test {
 namespace {
 
 using test::gvsp_extended_packet;
@@ -26,10 +26,10 @@ using test::GvspKind;
 
 constexpr std::size_t kBuffer = 100'000, kPacket = 1500;
 constexpr std::uint32_t kLoopback = INADDR_LOOPBACK;
-// Packets of an image, with each of the headers: 1464 and 1452 bytes of it in a packet.
+// Packets per image with standard and extended headers: 1464 and 1452 bytes of it per packet.
 constexpr std::uint32_t kStandardIds = (kBuffer + 1463) / 1464, kExtendedIds = (kBuffer + 1451) / 1452;
 
-/// A UDP socket behind the door, or one and a packet socket that sees what comes to it.
+/// A filtered UDP socket, in some tests also a packet socket that receives the same packets.
 class GvspDoor : public testing::Test {
  protected:
   GvspDoor() : udp_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
@@ -46,7 +46,7 @@ class GvspDoor : public testing::Test {
     if (packet_ >= 0) ::close(packet_);
   }
 
-  /// The next UDP data that comes; nothing when none does.
+  /// The data of the next UDP packet; nullopt if none arrives in time.
   std::optional<std::string> next() const {
     const int socket = packet_ >= 0 ? packet_ : udp_;
     const std::size_t headers = packet_ >= 0 ? ETH_HLEN + 28 : 0;
@@ -58,7 +58,7 @@ class GvspDoor : public testing::Test {
     bytes.resize(static_cast<std::size_t>(size));
     return bytes.substr(std::min(bytes.size(), headers));
   }
-  /// Whether it passes: what is sent behind it does.
+  /// Whether the filter passes `packet`. A valid packet is sent after it to end the wait.
   bool passes(const std::string& packet, const test::UdpForger& from) {
     const std::string last = gvsp_packet(GvspKind::kTrailer, ++frame_, 1);
     from.send(bounds_.port, packet);
@@ -73,7 +73,7 @@ class GvspDoor : public testing::Test {
   }
   bool passes(const std::string& packet) { return passes(packet, camera_); }
 
-  /// What each of the sockets lets pass.
+  /// Checks which packets pass the filter.
   void expect_what_fits() {
     const auto leader = [](const std::string& data) { return gvsp_packet(GvspKind::kLeader, 1, 0, data); };
     const auto extended = [](const std::string& data, std::uint8_t parts = 0) {
@@ -171,7 +171,7 @@ TEST_F(GvspDoor, LetsWhatFitsReachAPacketSocket) {
   name.sll_protocol = htons(ETH_P_IP);
   name.sll_ifindex = static_cast<int>(::if_nametoindex("lo"));
   ASSERT_EQ(::bind(packet_, reinterpret_cast<const sockaddr*>(&name), sizeof name), 0);
-  // As the library has it before: its own filter is how its socket is known.
+  // A filter like the library's, by which guard_gvsp_sockets() recognises its socket.
   const sock_filter known[] = {BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, kLoopback, 0, 0),
                                BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, bounds_.port, 0, 0),
                                BPF_STMT(BPF_RET | BPF_K, 0)};
@@ -197,4 +197,4 @@ TEST_F(GvspDoor, IsShutWhereNoImageFits) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::gvsp_door_test

@@ -9,7 +9,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::jpeg_file_test {
 namespace {
 
 using test::TemporaryFolder;
@@ -58,4 +58,4 @@ TEST_F(JpegFile, WhatIsNoneIsRefused) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::jpeg_file_test

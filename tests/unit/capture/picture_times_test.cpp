@@ -5,19 +5,19 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::picture_times_test {
 namespace {
 
 constexpr double kNowS = 1.8e9, kSteadyS = 5000;
 
-/// Pictures taken a hundredth of a second apart, that arrive `late_s` after their exposure began.
+/// Images taken 0.01 s apart that arrive `late_s` after the start of their exposure.
 struct Camera {
   double clock_ahead_s = 0, late_s = 0.005;
   PictureStamps stamps{0, 0.0, 0.004, true};
   PictureTimes times;
   int taken = 0;
 
-  /// The error of the last of `count` more pictures' times; `now` is that picture's.
+  /// Takes `count` more images. Returns the error in s of the last one's time; `now` has its times.
   double error_s(int count) {
     double error = 0;
     for (int i = 0; i < count; ++i) {
@@ -32,7 +32,7 @@ struct Camera {
   CaptureTimes now{};
 };
 
-constexpr double kRounding = 2e-6;  // of Unix times in doubles, several of them
+constexpr double kRounding = 2e-6;  // s; of several Unix times in doubles
 
 TEST(PictureTimes, UnderPtpTheCamerasClockIsTheHosts) {
   for (const double ahead_s : {0.0, 37.0}) {  // in UTC or in TAI
@@ -41,7 +41,7 @@ TEST(PictureTimes, UnderPtpTheCamerasClockIsTheHosts) {
     EXPECT_NEAR(camera.error_s(30), 0, kRounding);
     EXPECT_TRUE(camera.now.is_by_ptp);
     EXPECT_LT(*camera.now.t_capture_sigma_s, 1e-3);
-    // However late a picture arrives.
+    // However late an image arrives.
     camera.late_s = 0.2;
     EXPECT_NEAR(camera.error_s(1), 0, kRounding);
     EXPECT_TRUE(camera.now.is_by_ptp);
@@ -54,7 +54,7 @@ TEST(PictureTimes, ClocksThatDoNotAgreeAreNotTakenForOne) {
     camera.clock_ahead_s = ahead_s;
     camera.error_s(1000);
     EXPECT_FALSE(camera.now.is_by_ptp) << ahead_s;
-    EXPECT_TRUE(camera.now.t_capture_sigma_s);  // but by how they run
+    EXPECT_TRUE(camera.now.t_capture_sigma_s);  // from the estimated clock offset
   }
 }
 
@@ -72,7 +72,7 @@ TEST(PictureTimes, ACameraThatLeavesItsMasterIsFollowedByHowItRuns) {
   camera.clock_ahead_s = -0.5;
   camera.error_s(1);
   EXPECT_FALSE(camera.now.is_by_ptp);
-  // Its arrival is what is known then: the end of the exposure and 1 ms on the way.
+  // Only the arrival is known then: 1 ms after the end of the exposure.
   EXPECT_NEAR(camera.error_s(3000), 0.005 - 0.004, 1e-4);
 }
 
@@ -98,4 +98,4 @@ TEST(PictureTimes, FromItsArrivalAtTheBeginning) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::picture_times_test

@@ -14,10 +14,10 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::shared_camera_test {
 namespace {
 
-/// Loses an image each time it is asked, and has none.
+/// Drops an image on each call and delivers none.
 class LosingSource final : public Source {
  public:
   CaptureStatus next(CapturedImage&, std::string&, std::chrono::milliseconds) override {
@@ -27,7 +27,7 @@ class LosingSource final : public Source {
   std::uint64_t dropped() const noexcept override { return dropped_; }
 
  private:
-  std::uint64_t dropped_ = 0;  // the camera's thread's
+  std::uint64_t dropped_ = 0;  // only for the camera's thread
 };
 
 TEST(SharedCamera, WhatIsLostIsCountedWithoutAnImage) {
@@ -63,4 +63,4 @@ TEST(SharedCamera, AnOpeningThatTakesLongDelaysThatCameraOnly) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::shared_camera_test

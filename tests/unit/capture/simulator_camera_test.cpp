@@ -12,13 +12,13 @@
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::simulator_camera_test {
 namespace {
 
 using Picture = std::vector<std::uint8_t>;
 constexpr double kTimeS = 1.79e9;
 
-/// Nothing between the geometry and the bytes.
+/// Without noise, blur and vignette: pixels depend on geometry only.
 SimulatorOptions plain_options() {
   SimulatorOptions options;
   options.pixel_format = PixelFormat::kRgb24;
@@ -28,7 +28,7 @@ SimulatorOptions plain_options() {
   return options;
 }
 
-/// 4 m up over the right half, tilted along x.
+/// A camera 4 m above the right half of the field, tilted along x.
 SourceContext context_of(const SimulatorOptions& options, double tilt_rad = 0, double distortion = 0) {
   CameraCalibration c;
   c.focal_length = 600 * options.width / 780.0;
@@ -59,7 +59,7 @@ Picture draw(SimulatedCamera& camera, double t_s) {
   return picture;
 }
 
-/// Centroid of what `weight_at` gives for the pixels within `reach_px` of one.
+/// Centroid of the pixels within `reach_px` of `near`, weighted by `weight_at`.
 template <class WeightAt>
 Eigen::Vector2d centroid(const Eigen::Vector2d& near, double reach_px, const WeightAt& weight_at) {
   Eigen::Vector2d sum(0, 0);
@@ -79,7 +79,7 @@ Eigen::Vector2d pixel_of(const Json& thing) {
   return {thing["pixel_x"].get<double>(), thing["pixel_y"].get<double>()};
 }
 
-/// Centroid of a disc's picture: in perspective it is not the picture of the disc's centre.
+/// Centroid of a disc's image. In perspective, it is not the image of the disc's centre.
 Eigen::Vector2d centroid_of_disc(const CameraModel& camera, const Eigen::Vector3d& center_mm,
                                  double radius_mm) {
   constexpr int kSteps = 10;
@@ -99,7 +99,7 @@ Eigen::Vector2d centroid_of_disc(const CameraModel& camera, const Eigen::Vector3
   return sum / total;
 }
 
-/// The middle of a robot's top.
+/// The centre of a robot's top in mm.
 Eigen::Vector3d place_of(const Json& robot) {
   return {robot["x"].get<double>(), robot["y"].get<double>(), robot["height"].get<double>()};
 }
@@ -111,8 +111,8 @@ struct View {
 constexpr View kViews[] = {{"straight", 0, 0}, {"tilted and distorted", 0.35, 0.15}, {"cushion", 0.2, -0.1}};
 
 TEST(SimulatedCamera, DrawsDotsWhereTheCameraModelSaysSo) {
-  // A centre dot lies on even black, so its light beyond the black is exactly the share it covers of each
-  // pixel.
+  // A centre dot lies on uniform black, so the light above black is proportional to the share of each pixel
+  // that the dot covers.
   constexpr double kBlackRed = 24, kBlackBlue = 27;
   for (const View& view : kViews) {
     SCOPED_TRACE(view.name);
@@ -144,8 +144,8 @@ TEST(SimulatedCamera, DrawsDotsWhereTheCameraModelSaysSo) {
   }
 }
 
-/// Where the middle of a ball's light lies in the picture. A ball lit evenly from above is brightest where
-/// its surface is level, which, seen slantwise, is not in its middle.
+/// Pixel position of the centroid of a ball's light. A ball lit evenly from above is brightest where its
+/// surface is level, which is off its centre when seen at an angle.
 Eigen::Vector2d middle_of_light(const CameraModel& camera, const Json& ball, double paint, double carpet) {
   constexpr double kRadiusMm = 21.5, kStepMm = 0.25;
   const Eigen::Vector3d center(ball["x"], ball["y"], kRadiusMm);
@@ -187,7 +187,7 @@ TEST(SimulatedCamera, BallsShowWhereTheTruthSaysInEveryFormat) {
       for (int i = 0; i < 8; ++i) {
         const double t_s = kTimeS + 3.1 * i;
         const Picture picture = draw(camera, t_s);
-        // What the ball changed, by the place of each sample; of Bayer pictures the red ones only.
+        // Change of a pixel's sample by the ball; in Bayer images, only of red samples.
         const auto changed = [&](int x, int y) {
           if (format == PixelFormat::kBayerRg8 && (x % 2 != 0 || y % 2 != 0)) return 0;
           if (format == PixelFormat::kBayerGb8 && (x % 2 != 0 || y % 2 != 1)) return 0;
@@ -204,7 +204,7 @@ TEST(SimulatedCamera, BallsShowWhereTheTruthSaysInEveryFormat) {
           const auto line_nearby = [&](int x, int y) {
             return background[(y * options.width + x) * bytes + luma] > 110 ? 1 : 0;
           };
-          if (!centroid(expected, 10, line_nearby).hasNaN()) continue;  // its contrast is not even there
+          if (!centroid(expected, 10, line_nearby).hasNaN()) continue;  // its contrast varies there
           const bool red = is_bayer(format) || format == PixelFormat::kRgb24;
           const Eigen::Vector2d middle =
               middle_of_light(*context.scene.camera, ball, red ? 238 : 138, red ? 30 : 70);
@@ -213,7 +213,7 @@ TEST(SimulatedCamera, BallsShowWhereTheTruthSaysInEveryFormat) {
         }
       }
       EXPECT_GT(checked, 10);
-      // The carpet under it is not even, and a Bayer picture has a quarter of the samples on a ball of 6
+      // The carpet under the ball is uneven, and a Bayer image has a quarter of the samples on a ball of 6
       // pixels.
       EXPECT_LT(worst_px, is_bayer(format) ? 0.3 : 0.08);
     }
@@ -229,7 +229,7 @@ TEST(SimulatedCamera, PaintsLinesAtTheirPublishedPlaces) {
   for (const Eigen::Vector3d& on_line :
        {Eigen::Vector3d(0, 700, 0), Eigen::Vector3d(500 * std::cos(0.5), 500 * std::sin(0.5), 0)}) {
     const Eigen::Vector2d pixel = *context.scene.camera->project(on_line);
-    // Along the picture's row, as the lines here run about upright.
+    // Centroid along the image row, since the lines here are nearly vertical.
     double sum = 0, weight = 0;
     const int y = static_cast<int>(std::lround(pixel.y()));
     for (int x = static_cast<int>(pixel.x()) - 6; x <= static_cast<int>(pixel.x()) + 7; ++x) {
@@ -239,7 +239,7 @@ TEST(SimulatedCamera, PaintsLinesAtTheirPublishedPlaces) {
       weight += white;
     }
     const auto seen = context.scene.camera->unproject({sum / weight, static_cast<double>(y)}, 0);
-    // As far as the carpet's unevenness lets this simple measure see.
+    // The uneven carpet limits this simple measurement.
     const double off_mm = on_line.x() == 0 ? seen->x() : seen->norm() - 500;
     EXPECT_NEAR(off_mm, 0, 2);
   }
@@ -283,7 +283,7 @@ TEST(SimulatedCamera, PaintsTheFieldsOwnLinesInstead) {
   context.scene.field.field_arcs.emplace();
   EXPECT_NEAR(red_at(context, 200, 700), line, 40);
   EXPECT_NEAR(red_at(context, 0, 700), carpet, 25);
-  EXPECT_GT(red_at(context, -300, 735), carpet + 50);  // in its 100 mm of paint
+  EXPECT_GT(red_at(context, -300, 735), carpet + 50);  // within its 100 mm of paint
   EXPECT_NEAR(red_at(context, 0, 500), carpet, 25);    // no centre circle
 }
 
@@ -431,7 +431,7 @@ TEST(SimulatedCamera, CutAndHiddenThingsAreNotVisible) {
     }
   }
   EXPECT_GT(cut, 10);
-  EXPECT_GT(hidden, 3);  // by robots between them and the camera
+  EXPECT_GT(hidden, 3);  // behind robots
 }
 
 TEST(SimulatedCamera, VisibleShareIsWhatThePictureHolds) {
@@ -450,7 +450,7 @@ TEST(SimulatedCamera, VisibleShareIsWhatThePictureHolds) {
       const Eigen::Vector2d p = pixel_of(ball);
       std::array<double, 4> inside{p.x() + 0.5, p.y() + 0.5, 779.5 - p.x(), 579.5 - p.y()};
       std::sort(inside.begin(), inside.end());
-      if (inside[1] < kRadiusPx) continue;  // a corner
+      if (inside[1] < kRadiusPx) continue;  // cut by a corner
       const double d = std::clamp(inside[0] / kRadiusPx, -1.0, 1.0);
       EXPECT_NEAR(share, 1 - (std::acos(d) - d * std::sqrt(1 - d * d)) / std::numbers::pi, 0.03);
       cut += share > 0 && share < 0.9;
@@ -465,7 +465,7 @@ SimulatorOptions scattered_options() {
   return options;
 }
 
-/// Tilted, and near enough that a ball is 20 pixels wide.
+/// A tilted camera in which a ball is 20 pixels wide.
 SourceContext close_up_of(const SimulatorOptions& options) {
   SourceContext context = context_of(options, 0.35);
   CameraCalibration calibration = context.scene.camera->calibration();
@@ -497,7 +497,7 @@ TEST(SimulatedCamera, HidesBallsByTheWantedShare) {
       for (const Json& ball : truth["balls"]) {
         EXPECT_NEAR(ball["visible_share"], 1 - hidden, 0.05);
         EXPECT_FALSE(ball["visible"]);
-        // Its orange pixels.
+        // Counts the ball's orange pixels.
         const Eigen::Vector2d middle = pixel_of(ball), place(ball["x"], ball["y"]);
         int pixels = 0, orange = 0;
         for (int y = static_cast<int>(middle.y()) - 20; y <= middle.y() + 20; ++y) {
@@ -530,7 +530,7 @@ TEST(SimulatedCamera, DrawsTheSidesOfRobots) {
     const Json truth = camera.truth("", kTimeS + i);
     for (const Json& robot : truth["robots"]) {
       if (!robot["visible"].get<bool>()) continue;
-      // The floor under it, on the camera's side, is hidden by the side and not by the top.
+      // The floor under the robot, towards the camera, is hidden by the robot's side, not by its top.
       const Eigen::Vector2d center = place_of(robot).head<2>(), to_foot = foot - center;
       if (to_foot.norm() < 1900) continue;
       const Eigen::Vector2d under = center + 40 * to_foot.normalized();
@@ -674,7 +674,7 @@ TEST(SimulatedCamera, SmearsScatteredThingsAboutTheTruth) {
         if (pixel.minCoeff() < 20 || pixel.x() > 760 || pixel.y() > 560) continue;
         const auto redness = [&](int x, int y) {
           const auto color = color_at(picture, options.width, Eigen::Vector2d(x, y));
-          return color[0] > 1.3 * color[2] ? std::max(0.0, color[0] - kCarpetRed) : 0;  // no white lines
+          return color[0] > 1.3 * color[2] ? std::max(0.0, color[0] - kCarpetRed) : 0;  // skips white lines
         };
         EXPECT_LT((centroid(pixel, 14, redness) - pixel).norm(), 1);
         red += color_at(picture, options.width, pixel)[0];
@@ -682,7 +682,7 @@ TEST(SimulatedCamera, SmearsScatteredThingsAboutTheTruth) {
       }
     }
     EXPECT_GT(checked, 5);
-    // The way is twice the ball's width.
+    // During the exposure, the ball moves by twice its width.
     EXPECT_NEAR(red / checked, exposure_ms > 0 ? 145 : 238, 25);
   }
 }
@@ -744,4 +744,4 @@ TEST(SimulatedCamera, LightAndItsColourSwingWithTheTime) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::simulator_camera_test

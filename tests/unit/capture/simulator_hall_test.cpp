@@ -19,7 +19,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::simulator_hall_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -27,7 +27,8 @@ using ::testing::HasSubstr;
 constexpr int kWidth = 390, kHeight = 290;
 constexpr double kTimeS = 1000;
 
-/// Straight down from 4 m on all of a field of 3 x 2 m and more than half a metre beyond its carpet.
+/// A camera that looks straight down from 4 m on a whole field of 3 x 2 m and more than 0.5 m beyond its
+/// carpet.
 SourceContext context_of(std::uint32_t camera_id = 0) {
   CameraCalibration c;
   c.focal_length = 300;
@@ -43,7 +44,7 @@ SourceContext context_of(std::uint32_t camera_id = 0) {
   return context;
 }
 
-/// The options `json` over an empty field in clean light.
+/// Options for an empty field without noise and vignette, overridden by `json`.
 SimulatorOptions options_of(const Json& json) {
   Json all{{"width", kWidth},    {"height", kHeight}, {"pixel_format", "rgb24"},
            {"robots_yellow", 0}, {"robots_blue", 0},  {"balls", 0},
@@ -78,7 +79,7 @@ Eigen::Vector2i pixel_of(double x_mm, double y_mm) {
   return {static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))};
 }
 
-/// Each pixel that shows the floor within these places, inside the field's lines by default.
+/// Calls `use` for each pixel of a rectangle on the floor, by default inside the field's lines.
 template <class Use>
 void each_pixel(const Use& use, double x_mm = 1440, double y_mm = 940, double from_x_mm = -1440,
                 double from_y_mm = -940) {
@@ -99,7 +100,7 @@ Statistics statistics_of(const std::vector<double>& values) {
   return out;
 }
 
-/// Of a piece of carpet without lines.
+/// Statistics of a piece of carpet without lines.
 template <class ValueOf>
 Statistics on_carpet(const ValueOf& value_of) {
   std::vector<double> values;
@@ -114,7 +115,7 @@ Json hall(const Json& json) {
 // ---- options
 
 TEST(SimulatorHall, PlainIsTheSceneOfOldBitByBit) {
-  // Means of 65 x 58 pixels, made before there were halls.
+  // Means of cells of 65 x 58 pixels, recorded before halls were added.
   constexpr std::array<std::array<double, 3>, 30> kBefore{
       {{84.13, 81.34, 77.29}, {78.21, 86.66, 77.89}, {78.38, 86.90, 78.09}, {78.71, 87.16, 78.35},
        {77.12, 85.62, 76.89}, {84.09, 81.33, 77.27}, {80.92, 82.01, 76.40}, {33.06, 93.68, 64.26},
@@ -185,8 +186,8 @@ TEST(SimulatorHall, SettingsKeepWhatIsLeftOpenAndRefuseAnEmptyRangeOfFlicker) {
 // ---- carpet
 
 TEST(SimulatorHall, AUsualCarpetScattersAsRealOnesDo) {
-  // Of other renderers' carpets, measured with noise of sigma 4 and YUV of pairs of pixels: Y by about 9, U
-  // by 3, V by 4.5.
+  // Standard deviations of other renderers' carpets, measured with noise of sigma 4 and YUV of pixel pairs: Y
+  // about 9, U 3, V 4.5.
   const auto scatter_with = [](const Json& hall_options, int at) {
     Json json = hall(hall_options);
     json.update({{"noise_sigma", 4}, {"pixel_format", "uyvy"}});
@@ -221,7 +222,7 @@ TEST(SimulatorHall, BlotchesScatterByTheirShareOverPlacesOfTheirSize) {
   EXPECT_NEAR(ratio_to_none(some).deviation, 0.1, 0.02);
   EXPECT_NEAR(ratio_to_none(many).deviation, 0.2, 0.04);
   EXPECT_NEAR(ratio_to_none(some).mean, 1, 0.05);
-  // 13 mm further on it is nearly the same, 400 mm further on it is not.
+  // The factor is nearly the same 13 mm away, and not 400 mm away.
   const auto change_over = [&](int pixels) {
     return on_carpet([&](int x, int y) {
              return some.at(x, y, 1) / none.at(x, y, 1) -
@@ -247,7 +248,7 @@ TEST(SimulatorHall, TintScattersTheHueAndLeavesGreen) {
 TEST(SimulatorHall, SeamsAreLinesBetweenStrips) {
   const Json carpet{{"strip_mm", 700}, {"seams", 0.6}, {"strip_step", 0.1}};
   const Picture none = draw(Json::object()), seams = draw(hall({{"carpet", carpet}}));
-  // Along one of the axes, by the seed, whole rows or columns differ where a seam is.
+  // Seams run along x or y, depending on the seed: whole rows or columns differ there.
   const auto mean_at = [&](bool along_x, double across_mm) {
     std::vector<double> ratios;
     for (double along_mm = -800; along_mm <= 800; along_mm += 20) {
@@ -281,7 +282,7 @@ TEST(SimulatorHall, ShineAddsLightWhereALampIsMirrored) {
   const Picture dull = draw(Json::object()), shiny = draw(hall({{"carpet", {{"shine", 1}}}}));
   const SimulatedLamps lamps(resolved(HallOptions()), context_of().scene.field);
   const Eigen::Vector3d lamp = lamps.places_mm().front();
-  const double share = 4000 / (4000 + lamp.z());  // of the way from below the camera, which is (0, 0)
+  const double share = 4000 / (4000 + lamp.z());  // of the way from (0, 0), below the camera
   const Eigen::Vector2i mirrored = pixel_of(share * lamp.x(), share * lamp.y()),
                         other_side = pixel_of(-share * lamp.x(), -share * lamp.y());
   const auto gain = [&](const Eigen::Vector2i& p) {
@@ -410,7 +411,7 @@ TEST(SimulatorHall, ShadowsAreDarkRoundRobotsAndSoft) {
   SimulatedCamera camera(options, context_of(), league_patterns());
   const Json robot = camera.truth("", kTimeS)["robots"][0];
   const double x_mm = robot["x"], y_mm = robot["y"];
-  // On the side away from the camera's foot the robot's own side is in front.
+  // Towards the camera: on the other side, the robot's own side hides the floor.
   const double towards = x_mm > 0 ? -1 : 1;
   const auto light_at = [&](double away_mm) {
     const Eigen::Vector2i p = pixel_of(x_mm + towards * away_mm, y_mm);
@@ -440,7 +441,7 @@ TEST(SimulatorHall, WhatStandsAroundStandsStillInBothPlacements) {
     int changed = 0;
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {
-        // Robots' tops reach 60 mm over the lines in the picture.
+        // In the image, robots' tops reach 60 mm beyond the lines.
         const Eigen::Vector2i a = pixel_of(-1600, -1100), b = pixel_of(1600, 1100);
         if (x >= std::min(a.x(), b.x()) && x <= std::max(a.x(), b.x()) && y >= std::min(a.y(), b.y()) &&
             y <= std::max(a.y(), b.y()))
@@ -472,8 +473,8 @@ TEST(SimulatorHall, NothingAroundReachesOverTheLines) {
 }
 
 TEST(SimulatorHall, BoardsStandUprightAtTheCarpetsRim) {
-  // Of a board that stands 1820 mm to the right a camera 4 m above the middle sees a face from there on
-  // outwards, where its top hides the floor: at a height of 160 to 420 mm 76 to 214 mm further.
+  // A camera 4 m above the middle sees the face of a board at x = 1820 mm from there outwards to where its
+  // top hides the floor: 76 to 214 mm further, for heights of 160 to 420 mm.
   const Picture none = draw(Json::object()),
                 boards = draw(hall({{"around", {{"boards", 1}, {"things", 0}, {"people", 0}}}}));
   int on_carpet_differs = 0, on_face = 0, faces = 0, behind_differs = 0;
@@ -612,7 +613,7 @@ TEST(SimulatorHall, BlockNoiseIsOfBlocksAndNewInEachPicture) {
     camera.draw(kTimeS, second.data());
     clean_camera.draw(kTimeS, clean.data());
     EXPECT_NE(first, second);
-    // Of one kind of sample: luma, or green.
+    // Compares one kind of sample: luma, or green.
     const int step =
         camera.layout().format == PixelFormat::kBayerRg8 ? 1 : bytes_per_pixel(camera.layout().format);
     const int offset = step == 1 ? 0 : 1;
@@ -628,7 +629,7 @@ TEST(SimulatorHall, BlockNoiseIsOfBlocksAndNewInEachPicture) {
         across.push_back(error_at(x - 1, y) - error_at(x, y));
       }
     }
-    // Green holds luma and some of U and V.
+    // Green contains the noise of luma and some of that of U and V.
     EXPECT_NEAR(statistics_of(errors).deviation, step == 3 ? 5.1 : 4, 0.6);
     EXPECT_GT(statistics_of(across).deviation, 2 * statistics_of(within).deviation) << "edges of blocks show";
   }
@@ -655,7 +656,7 @@ TEST(SimulatorRollingShutter, MovesARobotByItsSpeedTimesTheTimeOfItsRow) {
       EXPECT_EQ(robot["x"], there["x"]) << "the truth is that of the picture's time";
       EXPECT_EQ(robot["orientation"], there["orientation"]);
       if (!robot["visible"].get<bool>()) continue;
-      // The yellow centre dot's light beyond the black that it lies on.
+      // Centroid of the yellow centre dot's light above the black around it.
       const double px = robot["pixel_x"], py = robot["pixel_y"];
       Eigen::Vector2d sum(0, 0);
       double weight = 0;
@@ -669,7 +670,7 @@ TEST(SimulatorRollingShutter, MovesARobotByItsSpeedTimesTheTimeOfItsRow) {
       }
       EXPECT_LT((sum / weight - Eigen::Vector2d(px, py)).norm(), 0.05);
       const Eigen::Vector2d shift(px - there["pixel_x"].get<double>(), py - there["pixel_y"].get<double>());
-      // 3000 mm/s at a pixel of 13 mm on the tops.
+      // 3000 mm/s; a pixel is 13 mm on the tops.
       const double delay_s = (py / (kHeight - 1) - 0.5) * kReadOutMs * 1e-3;
       EXPECT_NEAR(shift.norm(), 3000 * std::abs(delay_s) * 300 / (4000 - 140), 0.02);
       largest_px = std::max(largest_px, shift.norm());
@@ -703,4 +704,4 @@ TEST(SimulatorRollingShutter, MotionsFollowThePathsAndAreWipedFromTheNextPicture
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::simulator_hall_test

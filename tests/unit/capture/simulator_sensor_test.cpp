@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::simulator_sensor_test {
 namespace {
 
 constexpr int kSide = 32;
@@ -96,7 +96,7 @@ TEST(SimulatorSensor, BayerFormatsAreNamedAfterTheirFirstPixels) {
 }
 
 TEST(SimulatorSensor, SaturatesBeforeColoursAreMixed) {
-  // Overexposed orange turns yellow: its green catches up with its full red.
+  // Overexposed orange turns yellow: red is clipped while green still rises.
   const auto uyvy = developed(options_of(PixelFormat::kUyvy), even_light(600, 250, 0));
   const Yuv yellow = to_yuv({255, 250, 0});
   EXPECT_NEAR(uyvy[0], yellow.u, 1);
@@ -168,11 +168,11 @@ TEST(SimulatorSensor, YuvNoiseIsThatOfTheColoursItIsMixedFrom) {
       y_y += at(y0) * at(y0 + 2);
     }
     const auto units = static_cast<double>(noisy.size()) / 4;
-    // A mean of two pixels' chroma, each a weighted sum of its colours.
+    // Chroma is the mean of two pixels', each a weighted sum of its colours.
     EXPECT_NEAR(std::sqrt(y / units), 6.69, 0.15);
     EXPECT_NEAR(std::sqrt(u / units), 4.41, 0.1);
     EXPECT_NEAR(std::sqrt(v / units), 4.65, 0.1);
-    EXPECT_NEAR(y_u / units, -9.4, 1.2);  // blue pulls U up and the others, most of Y, pull it down
+    EXPECT_NEAR(y_u / units, -9.4, 1.2);  // blue raises U; red and green, most of Y, lower it
     EXPECT_NEAR(y_y / units, 0, 1.5);
   }
 }
@@ -238,11 +238,11 @@ TEST(SimulatorSensor, NoiseStaysWithinBytes) {
       kept += value == level;
       far += std::abs(value - level) > 127;
     }
-    EXPECT_GT(kept, 400);  // half of 1024 are pushed against the end
+    EXPECT_GT(kept, 400);  // half of the 1024 pixels are clipped
     EXPECT_LT(kept, 650);
     EXPECT_EQ(far, 0);
   }
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::simulator_sensor_test

@@ -15,7 +15,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::simulator_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -49,7 +49,7 @@ TEST(Simulator, GivesPicturesOfTheAskedKind) {
   EXPECT_EQ(image.image.view().stride_bytes, 128);
   EXPECT_FALSE(image.times.t_capture_camera_s);
   EXPECT_EQ(image.name, "");
-}  // the picture outlives its source
+}  // the image outlives its source
 
 TEST(Simulator, AllocatesNothingForAPictureOnceWarm) {
   if (!counts_allocations()) GTEST_SKIP() << "the sanitizer has its own allocator";
@@ -185,4 +185,4 @@ TEST(Simulator, RefusesWhatCannotBeDrawn) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::simulator_test

@@ -14,7 +14,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::simulator_world_test {
 namespace {
 
 constexpr std::array<double, 2> kHeightsMm{140, 150};
@@ -166,12 +166,12 @@ TEST(SimulatedRobot, HidesWhatLiesBehindItsTopAndItsSides) {
   };
   EXPECT_TRUE(is_hidden(0, 0, 0));
   EXPECT_TRUE(is_hidden(126, 0, 0));
-  EXPECT_FALSE(is_hidden(128, 0, 0));  // beyond the flat front, where the top's shadow ends
+  EXPECT_FALSE(is_hidden(128, 0, 0));  // beyond the area hidden by the top with its flat front
   EXPECT_TRUE(is_hidden(-89, 0, 0));
   EXPECT_FALSE(is_hidden(-91, 0, 0));
   EXPECT_TRUE(is_hidden(0, 89, 0));
   EXPECT_FALSE(is_hidden(0, 92, 0));
-  // Seen through the plane of the top in front of the robot, but then through its side.
+  // The sight line crosses the top's plane in front of the robot, and then the robot's side.
   EXPECT_TRUE(is_hidden(35, 89, 0));
   EXPECT_FALSE(is_hidden(70 + 30, 89, 0));
   EXPECT_FALSE(is_hidden(0, 0, 140));
@@ -284,7 +284,7 @@ TEST(SimulatedScatter, MovesInAStraightLineAboutTheTruthWhileExposed) {
   SimulatorOptions options = scattered_options();
   options.speed = 0.5;
   const SimulatedWorld world(options, FieldSize{}, kHeightsMm);
-  // Longer than a slot: a picture shows one slot only.
+  // The exposure is longer than a slot: an image shows one slot only.
   std::array<SimulatedScene, 5> moments;
   world.expose(3.0, 0.05, moments);
   const SimulatedScene truth = world.at(3.0);
@@ -397,4 +397,4 @@ TEST(SimulatedScatter, RefusesMoreThanTheFieldHolds) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::simulator_world_test

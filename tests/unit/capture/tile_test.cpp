@@ -13,16 +13,16 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::tile_test {
 namespace {
 
 using std::chrono::milliseconds;
 using ::testing::HasSubstr;
 
-/// A big camera of which a test says what comes when.
+/// A large camera whose results are given by a test.
 struct BigCamera {
   static constexpr int kWidth = 64, kHeight = 48;
-  std::array<std::uint8_t, 2 * kWidth * kHeight> pixels{};  // low bits behind the picture
+  std::array<std::uint8_t, 2 * kWidth * kHeight> pixels{};  // the image, then its low bits
   std::mutex mutex;
   std::condition_variable changed;
   std::optional<CaptureStatus> coming;
@@ -32,7 +32,7 @@ struct BigCamera {
   BigCamera() {
     for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint8_t>(i % 251);
   }
-  /// Returns when the camera has handed it over.
+  /// Returns once the camera has delivered it.
   void send(CaptureStatus status) {
     std::unique_lock lock(mutex);
     coming = status;
@@ -69,7 +69,7 @@ struct BigCamera {
     }
 
    private:
-    /// Counters are plain: only the thread that uses the camera may read them.
+    /// Counters are not atomic: only the thread that uses the camera may read them.
     std::uint64_t counted(std::uint64_t value) const noexcept {
       return std::this_thread::get_id() == user_.load() ? value : 0;
     }
@@ -134,7 +134,7 @@ TEST_F(Tile, ATileKnowsThePictureItIsAPartOf) {
     return std::array{of.width, of.height, of.x, of.y};
   };
   EXPECT_THAT(whole(), testing::ElementsAre(64, 48, 32, 10));
-  camera_.whole = {100, 80, 20, 16};  // reads a part of its sensor
+  camera_.whole = {100, 80, 20, 16};  // it reads a part of its sensor
   EXPECT_THAT(whole(), testing::ElementsAre(100, 80, 52, 26));
 }
 
@@ -258,4 +258,4 @@ TEST(TileOptions, AreChecked) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::tile_test

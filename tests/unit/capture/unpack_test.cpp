@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::unpack_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -32,7 +32,7 @@ TEST(Unpack, ARowOfNv12TakesTheColoursOfItsPairOfRows) {
   EXPECT_EQ(to, (Bytes{10, 1, 20, 2, 30, 3, 40, 4}));
 }
 
-/// What `split` makes of `from`: each pixel's upper 8 bits and, in 256ths, the rest.
+/// Results of `split`: 256 times the upper 8 bits of each pixel, plus its low byte.
 template <class Split>
 std::vector<int> split_values(std::size_t pixels, const Split& split) {
   Bytes to(pixels), low(pixels);
@@ -75,7 +75,7 @@ TEST(Unpack, TheLowByteMayComeFirst) {
   EXPECT_EQ(split_values(3, split(12)), (Values{0xFFF0, 0xFF10, 0xFFF0}));
 }
 
-/// Pixels one after the other, the lowest bit of each first.
+/// Packs pixels one after the other, lowest bits first.
 Bytes packed_p(const std::vector<int>& values, std::size_t bits) {
   Bytes out((values.size() * bits + 7) / 8);
   for (std::size_t i = 0; i < values.size() * bits; ++i) {
@@ -86,10 +86,10 @@ Bytes packed_p(const std::vector<int>& values, std::size_t bits) {
 }
 
 TEST(Unpack, PackedPixelsKeepAllTheirBits) {
-  // Six: a group and a half of "10p".
+  // Six pixels: one and a half groups of "10p".
   const Values ten{0x2AF, 0x155, 0x3FF, 0x000, 0x1C3, 0x23D};
   Bytes from = packed_p(ten, 10);
-  from.resize(8);  // no more is sent, and no more may be read
+  from.resize(8);  // no more is sent, so no more may be read
   const Values tens = split_values(
       6, [&](std::uint8_t* to, std::uint8_t* low) { split_packed_10p(from.data(), 6, to, low); });
   for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(tens[i], ten[i] << 6) << i;
@@ -105,11 +105,11 @@ TEST(Unpack, PackedPixelsKeepAllTheirBits) {
   EXPECT_EQ(split_values(4, [&](std::uint8_t* to,
                                 std::uint8_t* low) { split_gige_packed_12(gige.data(), 4, to, low); }),
             (Values{0xABC0, 0x1230, 0xFF20, 0x0000}));
-  // Two bits each in the lower half and in the upper half of the byte between.
+  // The middle byte has the two low bits of one pixel in its lower half, of the other in its upper half.
   EXPECT_EQ(split_values(4, [&](std::uint8_t* to,
                                 std::uint8_t* low) { split_gige_packed_10(gige.data(), 4, to, low); }),
             (Values{0xAB00, 0x12C0, 0xFF80, 0x0000}));
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::unpack_test

@@ -18,7 +18,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::v4l2_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -28,7 +28,7 @@ using ::testing::HasSubstr;
 
 constexpr milliseconds kNow{0};
 
-/// A computer with the files that the kernel and udev make for its cameras.
+/// A fake computer with the files that the kernel and udev create for its cameras.
 class V4l2 : public testing::Test {
  protected:
   void SetUp() override {
@@ -43,7 +43,7 @@ class V4l2 : public testing::Test {
       return found == cameras_.end() ? nullptr : found->second;
     };
   }
-  /// Plugs a camera into a socket; an empty `serial` is that of a camera without one.
+  /// Plugs a camera into a socket. Empty `serial`: the camera has none.
   std::shared_ptr<FakeV4l2> plug_in(int number, const std::string& socket, const std::string& serial) {
     const auto camera = std::make_shared<FakeV4l2>();
     camera->bus = "usb-" + socket;
@@ -89,7 +89,7 @@ class V4l2 : public testing::Test {
   const test::TemporaryFolder folder_;
   const fs::path root_ = fs::canonical(folder_.path());
   V4l2System system_;
-  std::mutex mutex_;  // guards the next: a camera's thread opens too
+  std::mutex mutex_;  // guards cameras_: a camera's thread also opens cameras
   std::map<std::string, std::shared_ptr<FakeV4l2>> cameras_;
 };
 
@@ -111,7 +111,7 @@ FakeV4l2::Item number_item(std::uint32_t id, const char* title, int min, int max
   return {id, V4L2_CTRL_TYPE_INTEGER, title, min, max, 1, value};
 }
 
-/// What a usual webcam has.
+/// Adds the controls of a typical webcam.
 void add_webcam_items(FakeV4l2& camera) {
   const auto add = [&](FakeV4l2::Item item) { camera.items[item.id] = std::move(item); };
   add({V4L2_CID_USER_CLASS, V4L2_CTRL_TYPE_CTRL_CLASS, "User Controls"});
@@ -131,7 +131,7 @@ void add_webcam_items(FakeV4l2& camera) {
   camera.items.at(V4L2_CID_EXPOSURE_ABSOLUTE).flags = V4L2_CTRL_FLAG_INACTIVE;
 }
 
-// ---- pictures
+// ---- images
 
 TEST_F(V4l2, LendsTheKernelsBuffers) {
   const auto camera = plug_in(0, "1", "");
@@ -171,7 +171,7 @@ TEST_F(V4l2, PicturesOutliveTheSource) {
   source.reset();
   EXPECT_FALSE(camera->streams());
   first = {};
-  EXPECT_EQ(camera->queued(), 0U);  // what comes late is not given to a device that was stopped
+  EXPECT_EQ(camera->queued(), 0U);  // a late buffer is not queued on a stopped device
   const auto again = open();
   camera->deliver(3);
   EXPECT_EQ(next_picture(*again).image.view().data[0], 3);
@@ -214,7 +214,7 @@ TEST_F(V4l2, DamagedPicturesAreIncomplete) {
 TEST_F(V4l2, CountsWhatTheNumbersLeaveOut) {
   const auto camera = plug_in(0, "1", "");
   const auto source = open();
-  camera->lose_pictures(5);  // before the first: nobody was there
+  camera->lose_pictures(5);  // before the first image: not counted
   camera->deliver(1);
   next_picture(*source);
   EXPECT_EQ(source->dropped(), 0U);
@@ -222,7 +222,7 @@ TEST_F(V4l2, CountsWhatTheNumbersLeaveOut) {
   camera->deliver(2);
   next_picture(*source);
   EXPECT_EQ(source->dropped(), 3U);
-  camera->lose_pictures(~0U - 10);  // across the highest number
+  camera->lose_pictures(~0U - 10);  // the sequence number wraps
   camera->lose_pictures(10 + 2);
   camera->deliver(3);
   next_picture(*source);
@@ -241,7 +241,7 @@ TEST_F(V4l2, MotionJpegIsRead) {
   EXPECT_EQ(image.image.view().format, PixelFormat::kUyvy);
   EXPECT_EQ(image.image.view().width, 64);
   EXPECT_EQ(image.image.view().row(47)[127], 128);
-  EXPECT_EQ(camera->queued(), 8U);  // ours was decompressed, so the device has its own back
+  EXPECT_EQ(camera->queued(), 8U);  // the image is decompressed, so its buffer is queued again
 
   camera->deliver(jpeg.first(jpeg.size() - 8));
   EXPECT_THAT(problem_of(*source, CaptureStatus::kIncomplete), HasSubstr("Premature end of JPEG file"));
@@ -252,7 +252,7 @@ TEST_F(V4l2, MotionJpegIsRead) {
   EXPECT_EQ(problem_of(*source, CaptureStatus::kIncomplete), "32x48 pixels came instead of 64x48");
 }
 
-/// Cameras of embedded boards: only the multi-planar calls, with one plane for what we take.
+/// Cameras of embedded boards support only multi-planar calls, with one plane for the formats used here.
 constexpr std::uint32_t kPlanar = V4L2_CAP_VIDEO_CAPTURE_MPLANE | V4L2_CAP_STREAMING;
 
 TEST_F(V4l2, ADeviceWithPlanesLendsItsBuffersToo) {
@@ -272,7 +272,7 @@ TEST_F(V4l2, ADeviceWithPlanesLendsItsBuffersToo) {
     EXPECT_EQ(view.row(47)[63], i);
   }
   EXPECT_EQ(camera->queued(), 3U);
-  // Bytes are counted from where the picture begins.
+  // Bytes are counted from the beginning of the image.
   camera->deliver(std::vector<std::uint8_t>(100));
   EXPECT_EQ(problem_of(*source, CaptureStatus::kIncomplete), "100 bytes came; 64x48 bayer_rg8 needs 4576");
   source.reset();
@@ -313,7 +313,7 @@ TEST_F(V4l2, Nv12BecomesUyvy) {
     const CapturedImage image = next_picture(*source);
     const ImageView view = image.image.view();
     EXPECT_EQ(view.format, PixelFormat::kUyvy);
-    EXPECT_EQ(camera->queued(), 3U);  // ours is a copy
+    EXPECT_EQ(camera->queued(), 3U);  // the image is a copy
     for (int y = 0; y < 4; ++y) {
       for (int x = 0; x < 8; ++x) {
         EXPECT_EQ(view.row(y)[2 * x], 100 + 50 * (y / 2) + x);
@@ -328,7 +328,7 @@ TEST_F(V4l2, Nv12BecomesUyvy) {
       held.push_back(next_picture(*source));
     }
     camera->deliver(bytes);
-    problem_of(*source, CaptureStatus::kTimeout);  // all of ours are out
+    problem_of(*source, CaptureStatus::kTimeout);  // all image buffers are in use
     EXPECT_EQ(source->dropped(), 1U);
     camera->modes = {{V4L2_PIX_FMT_NV12, 8, 5, {30}}};
     EXPECT_THAT(refusal({{"pixel_format", "nv12"}}), HasSubstr("nv12 refused: 8x5 does not suit it"));
@@ -398,7 +398,7 @@ TEST_F(V4l2, ASilentCameraIsLostUnlessWeHoldItsBuffers) {
   EXPECT_EQ(problem, "camera \"A1\": no image for 0.1 s");
 }
 
-/// The kernel gives a camera that was away another number.
+/// The kernel gives a replugged camera another number.
 TEST_F(V4l2, TheCameraThreadFindsACameraThatWasPluggedInAgain) {
   auto camera = plug_in(0, "1", "A1");
   plug_in(1, "2", "B2");
@@ -466,7 +466,7 @@ TEST_F(V4l2, SaysWhichCamerasThereAre) {
             "camera \"A1\": " + path_of(2) + ": Permission denied; who may use it is in the group video");
 }
 
-/// As a depth camera has, with a colour and an infrared picture.
+/// A depth camera has two devices, for colour and infrared images.
 TEST_F(V4l2, DevicesOfOneCameraAreToldApartByTheirLinks) {
   plug_in(0, "1", "A1"), plug_in(1, "1", "A1");
   fs::create_directories(root_ / "dev/v4l/by-path");
@@ -567,7 +567,7 @@ TEST_F(V4l2, PicturesHaveTheMiddleOfTheirExposure) {
   const auto expect_middle_after = [&](double half_exposure_s) {
     constexpr double kRounding = 1e-3;
     const double before_s = unix_time_s();
-    camera->deliver(1);  // the fake stamps the beginning
+    camera->deliver(1);  // the fake stamps the start of the exposure
     const CaptureTimes times = next_picture(*source).times;
     EXPECT_GE(times.t_capture_s, before_s + half_exposure_s - kRounding);
     EXPECT_LE(times.t_capture_s, unix_time_s() + half_exposure_s + kRounding);
@@ -577,7 +577,7 @@ TEST_F(V4l2, PicturesHaveTheMiddleOfTheirExposure) {
   camera->change_item(V4L2_CID_EXPOSURE_ABSOLUTE, 10000, 0);
   CapturedImage image;
   std::string problem;
-  EXPECT_EQ(source->next(image, problem, test::kPatience), CaptureStatus::kTimeout);  // only the news
+  EXPECT_EQ(source->next(image, problem, test::kPatience), CaptureStatus::kTimeout);  // only the event
   expect_middle_after(0.5);
 
   camera->stamp_flags = 0;
@@ -628,7 +628,7 @@ TEST_F(V4l2, ShowsWhatCanBeSet) {
   EXPECT_EQ(control("mask").value, 0xffffffff);
   EXPECT_EQ(control("auto_exposure").value, "Aperture Priority Mode");
   EXPECT_THAT(control("auto_exposure").choices, ElementsAre("Manual Mode", "Aperture Priority Mode"));
-  EXPECT_FALSE(control("exposure_time_absolute").writable);  // automatic
+  EXPECT_FALSE(control("exposure_time_absolute").writable);  // exposure is automatic
   EXPECT_EQ(control("exposure_time_absolute").unit, "100 us");
   EXPECT_EQ(control("exposure_time_absolute").category, "Camera Controls");
 }
@@ -670,7 +670,8 @@ TEST_F(V4l2, SetsControls) {
 TEST_F(V4l2, ControlsAreSetBeforeItDelivers) {
   const auto camera = plug_in(0, "1", "");
   add_webcam_items(*camera);
-  // The time is refused until its automatic is off, whatever the order.
+  // The exposure time is refused until automatic exposure is off, so the order of the settings must not
+  // matter.
   const auto source = open({{"controls",
                              {{"exposure_time_absolute", 100},
                               {"auto_exposure", "Manual Mode"},
@@ -695,4 +696,4 @@ TEST_F(V4l2, ControlsLiveOnWithoutTheCamera) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::v4l2_test

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <linux/videodev2.h>
 
-namespace sslv {
+namespace sslv::v4l2_times_test {
 namespace {
 
 constexpr double kJitter = 0.0012;
@@ -45,4 +45,4 @@ TEST(V4l2Times, FlagsTellWhatTheStampIs) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::v4l2_times_test

@@ -28,7 +28,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-namespace sslv {
+namespace sslv::clip_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -55,7 +55,7 @@ std::string text_from(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// What was added to a clip, to be compared with what is read.
+/// Copy of a frame, to compare written frames with read ones.
 struct Kept {
   FrameInfo info;
   std::uint32_t setup = 0;
@@ -92,7 +92,7 @@ void expect_same(const Kept& a, const Kept& b) {
   EXPECT_EQ(a.memory, b.memory);
 }
 
-/// A folder of its own for each test.
+/// Each test has its own folder.
 class Clip : public testing::Test {
  protected:
   fs::path path(const std::string& name = "a.clip") const { return folder_.path() / name; }
@@ -114,8 +114,8 @@ class Clip : public testing::Test {
     return "";
   }
 
-  /// Two cameras, a second setup, events; returns the frames in the order of their capture, and where
-  /// blocks begin.
+  /// Writes two cameras with a setup each, and an event. Returns the frames in order of capture; adds the end
+  /// of each block to block_ends_.
   std::vector<Kept> write_small(bool finishes = true) {
     std::vector<Kept> out;
     ClipWriter writer(path(), kAbout);
@@ -228,7 +228,7 @@ TEST_F(Clip, GivesBackAllThatWasAdded) {
   }
 }
 
-/// tests/e2e/clip_reader.test.mjs reads the same file with a reader that was written from the description.
+/// tests/e2e/clip_reader.test.mjs reads the same file with a reader written from the format's description.
 TEST_F(Clip, IsWrittenAsItWasDescribed) {
   write_small();
   std::ifstream file(source_path("/tests/golden/small.clip"), std::ios::binary);
@@ -245,7 +245,7 @@ TEST_F(Clip, HoldsEveryPixelFormat) {
     for (const NamedPixelFormat& named : kPixelFormatNames) {
       for (const int padding : {0, 7}) {
         for (const bool is_deep : {false, true}) {
-          // Rows of more than one writev(2).
+          // More rows than one writev(2) can write.
           const OwnedImage image = noise_image(named.format, 6, 1100, 3, padding, is_deep);
           ClipFrame frame;
           frame.info.times.t_capture_s = time_s += 1;
@@ -306,7 +306,7 @@ TEST_F(Clip, FramesAreInTheOrderOfTheirCapture) {
     EXPECT_EQ(reader.entries()[i].t_capture_s, 1.0 + static_cast<double>(i));
 }
 
-/// Every frame that can be read is one that was written. Returns how many can.
+/// Expects each readable frame to equal a written one. Returns the number of readable frames.
 std::size_t expect_no_other(ClipReader& reader, const std::vector<Kept>& kept) {
   std::size_t good = 0;
   for (std::size_t i = 0; i < reader.entries().size(); ++i) {
@@ -352,7 +352,7 @@ TEST_F(Clip, CutAnywhereItHasWhatWasWhole) {
     EXPECT_TRUE(reader.is_unfinished());
     const std::size_t good = expect_no_other(reader, kept);
     EXPECT_TRUE(end < index_begin || good == kept.size());
-    // A block's end without its padding is enough.
+    // A lower bound: a block is readable even without its padding.
     const auto whole = static_cast<std::size_t>(
         std::ranges::count_if(block_ends_, [&](std::uint64_t block_end) { return block_end <= end; }));
     const std::size_t frames = whole <= 3 ? 0 : std::min(kept.size(), whole - 3 - (whole > 9 ? 1 : 0));
@@ -379,7 +379,7 @@ TEST_F(Clip, NoDamageGoesUnnoticed) {
       ASSERT_EQ(::pwrite(file, &bad, 1, static_cast<off_t>(i)), 1);
       ClipReader reader(path());
       const std::size_t good = expect_no_other(reader, kept);
-      // At most one frame is lost while there is an index.
+      // With an index, at most one frame is lost.
       EXPECT_TRUE(!finishes || good >= kept.size() - 1) << good;
       if (HasFailure()) return;
       ASSERT_EQ(::pwrite(file, &whole[i], 1, static_cast<off_t>(i)), 1);
@@ -410,7 +410,7 @@ TEST_F(Clip, WhatIsNoClipIsRefused) {
   EXPECT_THROW(ClipReader("/dev/zero"), ClipError);
 }
 
-/// A block with the sums that belong to it.
+/// A block with correct checksums.
 std::string block(std::uint32_t type, std::uint32_t camera_id, const std::string& payload) {
   const auto payload_bytes = bytes_from(payload);
   const auto head = encoded(ClipBlockHead{
@@ -425,7 +425,7 @@ std::string with_index(const std::string& blocks, const std::vector<ClipIndexLin
   for (const ClipIndexLine& line : lines) payload += text_from(encoded(line));
   return blocks + block(ClipBlock::kIndex, 0, payload) + text_from(clip_trailer(blocks.size()));
 }
-/// A frame of 4 x 2 px, mono8, whose head says `value` at `place`.
+/// A frame block, by default of 4 x 2 px, mono8, with `value` at offset `place` of its head.
 std::string frame_block(std::uint32_t camera_id, ClipFrameHead head, const std::string& rest,
                         std::size_t place = 68, std::uint32_t value = 0) {
   if (head.width == 0) head.width = 4, head.height = 2;
@@ -468,7 +468,7 @@ TEST_F(Clip, AnIndexThatLiesIsNotBelieved) {
     ASSERT_EQ(reader.entries().size(), 2U);
     EXPECT_EQ(reader.read(1).info.camera_id, 1U);
   }
-  // Places that cannot be: the blocks are looked for instead.
+  // Impossible places: the reader searches the file for blocks instead.
   std::vector<std::vector<ClipIndexLine>> lies{{setup, other, good}, {good, good}};
   for (const std::uint64_t place : {std::uint64_t{0}, std::uint64_t{8}, first + 1, blocks.size() - 8,
                                     blocks.size() + 8, ~std::uint64_t{0}, ~std::uint64_t{0} - 39}) {
@@ -487,7 +487,7 @@ TEST_F(Clip, AnIndexThatLiesIsNotBelieved) {
     ASSERT_EQ(reader.entries().size(), 2U);
     EXPECT_EQ(reader.read(1).info.camera_id, 1U);
   }
-  // Other frames than there are: each is refused when it is read.
+  // The index contradicts the frame: reading it throws.
   for (int what = 0; what < 5; ++what) {
     ClipIndexLine lie = good;
     if (what == 0) lie.number = 5;
@@ -517,7 +517,7 @@ TEST_F(Clip, SizesThatLieAreRefused) {
   std::vector<std::string> blocks;
   blocks.reserve(lies.size() + 2);
   for (const ClipFrameHead& lie : lies) blocks.push_back(frame_block(0, lie, "pixels!!"));
-  blocks.push_back(frame_block(0, {}, "pixels!!", 88, 4));  // a map of what parts there are, of none
+  blocks.push_back(frame_block(0, {}, "pixels!!", 88, 4));  // size of the bitmap of an image in parts
   blocks.push_back(frame_block(0, {.image_bytes = 9}, "pixels!!!"));
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     SCOPED_TRACE(i);
@@ -526,13 +526,13 @@ TEST_F(Clip, SizesThatLieAreRefused) {
     ASSERT_EQ(reader.entries().size(), 1U);
     EXPECT_EQ(reader.read(0).info.camera_id, 4U);
   }
-  // A setup far away takes no memory.
+  // A setup with a large number takes no memory.
   write_file("a.clip",
              begin + setup_block(4'000'000'000, "{}") + frame_block(0, {.setup = 4'000'000'000}, "pixels!!"));
   ClipReader reader(path());
   EXPECT_EQ(reader.setup_count(), 1U);
   EXPECT_THROW(reader.read(0), ClipError);
-  // A block that is larger than the file.
+  // Blocks larger than the file.
   std::string huge = text_from(encoded(ClipBlockHead{.type = 3, .bytes = std::uint64_t{1} << 62U}));
   write_file("a.clip", begin + huge);
   EXPECT_EQ(ClipReader(path()).entries().size(), 0U);
@@ -541,7 +541,7 @@ TEST_F(Clip, SizesThatLieAreRefused) {
   EXPECT_EQ(ClipReader(path()).entries().size(), 0U);
 }
 
-/// Written when the last seconds could hold only parts of images: the last two of each camera are such.
+/// Written by an earlier version, which could store parts of images: those of each camera's last two frames.
 TEST_F(Clip, OfImagesInPartsTheRestIsRead) {
   ClipReader reader(source_path("/tests/golden/parts.clip"));
   EXPECT_EQ(reader.problem(), "");
@@ -580,7 +580,7 @@ TEST_F(Clip, TextsOfAFileShowAsWhatTheyAre) {
   EXPECT_EQ(reader.events()[0].text, "a\\u000ab");
 }
 
-/// While it lives, no file of this program grows beyond so many bytes.
+/// During its lifetime, this process can write no file larger than `bytes`.
 class SmallDisk {
  public:
   explicit SmallDisk(std::uint64_t bytes) : handler_(::signal(SIGXFSZ, SIG_IGN)) {
@@ -629,7 +629,7 @@ TEST_F(Clip, AFullDiskLeavesWhatWasWhole) {
       EXPECT_EQ(reader.entries().size(), added);
       EXPECT_TRUE(reader.is_unfinished());
     }
-    // There is room again.
+    // The disk has space again.
     writer.add(frame);
     writer.finish();
   }
@@ -653,7 +653,7 @@ TEST_F(Clip, WhatCannotBeWrittenIsNamed) {
   const OwnedImage image = noise_image(PixelFormat::kMono8, 8, 8, 1);
   ClipFrame frame;
   frame.image = image.view;
-  EXPECT_THROW(writer.add(frame), StorageError);  // there is no setup
+  EXPECT_THROW(writer.add(frame), StorageError);  // no setup was added
   writer.add(ClipSetup{});
   writer.add(frame);
   writer.add(frame);
@@ -704,7 +704,7 @@ TEST_F(Clip, OpeningReadsNoImages) {
       << "each frame is a line of the index, which is summed first";
 }
 
-/// A file of which only what is put there takes room on the disk.
+/// A sparse file: only data that is put there takes space on the disk.
 class SparseFile {
  public:
   explicit SparseFile(const fs::path& path)
@@ -717,7 +717,7 @@ class SparseFile {
     EXPECT_EQ(::pwrite(fd_, bytes.data(), bytes.size(), static_cast<off_t>(place)),
               static_cast<ssize_t>(bytes.size()));
   }
-  /// The head of a block with `payload` and then zeros, and where the next one may begin.
+  /// Writes a block's head and `payload`, followed by zeros. Returns the place of the next block.
   std::uint64_t put_block(ClipBlock type, const std::string& payload, std::uint64_t bytes,
                           std::uint64_t place) {
     std::vector<std::byte> all = bytes_from(payload);
@@ -742,7 +742,7 @@ class SparseFile {
   int fd_;
 };
 
-/// So much of it, of values that take much more memory than their text.
+/// JSON of at most `max_bytes` whose values take much more memory than their text.
 std::string json_of_many(const std::string& value, std::size_t max_bytes) {
   std::string out = R"({"a": [)" + value;
   while (out.size() + value.size() + 3 <= max_bytes) out += "," + value;
@@ -778,7 +778,7 @@ TEST_F(Clip, NoFileTakesMuchMemory) {
     });
   };
   const std::string begin = text_from(clip_head());
-  {  // tables as large as can be, each with as much JSON
+  {  // tables of maximum size, each with JSON of maximum size
     SparseFile file(path());
     file.put(begin, 0);
     std::uint64_t place = begin.size();
@@ -791,7 +791,7 @@ TEST_F(Clip, NoFileTakesMuchMemory) {
   EXPECT_EQ(ClipReader(path()).setup_count(), 24U);
   EXPECT_EQ(ClipReader(path()).setup(23).table.size(), kMaxClipTableBytes);
   EXPECT_TRUE(fits());
-  {  // events whose values take much more than their text
+  {  // events whose values take much more memory than their text
     SparseFile file(path());
     file.put(begin, 0);
     std::uint64_t place = begin.size();
@@ -800,7 +800,7 @@ TEST_F(Clip, NoFileTakesMuchMemory) {
   }
   EXPECT_EQ(ClipReader(path()).events().size(), kMaxClipEventBytesInAll / kMaxClipEventBytes);
   EXPECT_TRUE(fits());
-  {  // as many frames as there may be, of as many cameras
+  {  // the maximum number of frames, of more cameras than allowed
     SparseFile file(path());
     file.put(begin, 0);
     std::string index;
@@ -856,7 +856,7 @@ TEST_F(Clip, AllLimitsAtOnceTakeLittleMemory) {
     note(ClipBlock::kSetup, setup_bytes);
     place =
         file.put_block(ClipBlock::kSetup, text_from(setup_head(0, json.size())) + json, setup_bytes, place);
-    // Characters of two bytes that are shown as six.
+    // Each character has two bytes and is escaped to six.
     std::string event = R"({"text": ")";
     while (event.size() + 4 <= kMaxClipEventBytes) event += "\xc2\x85";
     event += R"("})";
@@ -915,4 +915,4 @@ TEST_F(Clip, AnImageThatIsTooLargeIsSaid) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::clip_test

@@ -16,7 +16,7 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
-namespace sslv {
+namespace sslv::image_ring_test {
 namespace {
 
 constexpr std::size_t kRingBytes = 1 << 20;
@@ -26,7 +26,7 @@ std::vector<std::byte> bytes_of(const std::string& text) {
   return {bytes.begin(), bytes.end()};
 }
 
-/// Frame `number` arrives at that many milliseconds, and its image is told by its number.
+/// A frame that arrives at `number` milliseconds.
 ClipFrame numbered(std::uint32_t number, const ImageView& image) {
   ClipFrame frame;
   frame.info.camera_id = 3;
@@ -72,8 +72,8 @@ TEST(ImageRing, GivesBackAllOfAFrame) {
   }
 }
 
-// Large images are copied another way; the second plane of a deep one may begin in the middle of a cache
-// line.
+// Large images are copied with non-temporal stores; the second plane of a deep one may begin in the middle of
+// a cache line.
 TEST(ImageRing, GivesBackLargeImagesOfAnySize) {
   ImageRing ring(kRingBytes);
   for (const int width : {640, 641, 703}) {
@@ -174,7 +174,7 @@ TEST(ImageRing, WhatIsHeldStaysUntilItIsLetGo) {
   const OwnedImage image = noise_image(PixelFormat::kMono8, 256, 256, 1);
   for (std::uint32_t number = 0; number < 10; ++number) ASSERT_TRUE(ring.put(numbered(number, image.view)));
   ring.hold(4'000'000, 6'000'000);
-  // The ring goes on until it comes to what is held.
+  // The ring accepts frames until it reaches the held ones.
   std::uint32_t number = 10;
   while (ring.put(numbered(number, image.view))) ++number;
   EXPECT_GT(number, 10U);
@@ -248,4 +248,4 @@ TEST(ImageRing, TheKeeperReadsWholeFramesWhileTheCameraGoesOn) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::image_ring_test

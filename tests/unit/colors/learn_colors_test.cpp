@@ -16,10 +16,10 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv::test {
+namespace sslv::test::learn_colors_test {
 namespace {
 
-/// Both teams on the half of the field that the camera sees, other places for each `turn`.
+/// Adds both teams to the half of the field that the camera sees; each `turn` has other ids and places.
 void add_teams(DrawnScene& drawn, int turn, int yellow = 4, int blue = 4) {
   for (int i = 0; i < yellow + blue; ++i) {
     const bool is_blue = i >= yellow;
@@ -48,7 +48,8 @@ bool has_note(const LearntColors& learnt, const std::string& part) {
   return false;
 }
 
-/// Robots and a ball at other places than those that taught, seen through the table that was learnt.
+/// Expects the learnt table to find robots and a ball at other places than in the image that it was learnt
+/// from.
 void expect_finds_others(const LearntColors& learnt, const SimulatorOptions& options, int yellow = 4,
                          int blue = 4) {
   ASSERT_EQ(learnt.problem, "");
@@ -241,7 +242,7 @@ TEST(LearnColors, WhatIsTooGreenForOrangeTeachesNone) {
 TEST(LearnColors, OrangeThatIsClippedMayLookGreener) {
   DrawnScene drawn;
   add_teams(drawn, 0, 0, 8);
-  drawn.cover(900, 600, 0, 21, {255, 204, 80});  // nobody knows how red it is
+  drawn.cover(900, 600, 0, 21, {255, 204, 80});  // clipped: the real red is unknown
   EXPECT_EQ(learn_colors(task_of(drawn)).balls.size(), 1u);
 }
 
@@ -302,7 +303,7 @@ TEST(LearnColors, StopsWhenAsked) {
   EXPECT_EQ(learnt.lut, nullptr);
 }
 
-/// A real photo and the same in other light: every channel times a gain.
+/// A real photo, also in other light: each channel times a gain.
 class RealPhoto {
  public:
   RealPhoto() {
@@ -341,8 +342,8 @@ class RealPhoto {
     if (!calibrated) scene.camera.reset();
     return learn_colors({{picture}, scene, *context_.patterns});
   }
-  /// The ids of the blue robots, with 'y' for each yellow one, and the balls, as the camera's stack finds
-  /// them.
+  /// Runs the camera's stack. Returns the sorted ids of the blue robots, with 'y' for each yellow one, and
+  /// the balls.
   std::pair<std::string, BallList> find(const ImageView& picture, std::shared_ptr<const Lut> lut) const {
     CameraSetup setup;
     const CameraSettings& camera = config_.cameras.front();
@@ -378,7 +379,7 @@ TEST(LearnColorsFromAPhoto, AllIdsAndOnlyOrangeBalls) {
     EXPECT_NEAR(learnt.mm_per_px, 3.5, 0.15);
     const auto [ids, balls] = photo.find(picture, learnt.lut);
     EXPECT_EQ(ids, "012456");
-    // One on the field, one at a post; a pale brown one may be taken for one.
+    // One ball on the field, one at a post; a pale brown ball may be detected, too.
     EXPECT_GE(balls.balls.size(), 2u);
     for (const Ball& ball : balls.balls) {
       const auto near = [&](double x, double y) {
@@ -387,7 +388,7 @@ TEST(LearnColorsFromAPhoto, AllIdsAndOnlyOrangeBalls) {
       EXPECT_TRUE(near(1329.5, 429) || near(151.5, 636.3) || near(1110, 1038))
           << ball.pixel_x << ' ' << ball.pixel_y;
     }
-    // The same table in a little more and a little less light.
+    // The same table in slightly more and slightly less light.
     for (const double gain : {0.85, 1.15})
       EXPECT_EQ(photo.find(photo.in_light({gain, gain, gain}), learnt.lut).first, "012456") << gain;
     photo.in_light({1, 1, 1});
@@ -408,4 +409,4 @@ TEST(LearnColorsFromAPhoto, InOtherLight) {
 }
 
 }  // namespace
-}  // namespace sslv::test
+}  // namespace sslv::test::learn_colors_test

@@ -10,7 +10,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::light_follower_test {
 namespace {
 
 using ::testing::Each;
@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 
 constexpr double kPeriodS = 0.2;
 
-/// Of overhead_camera() the middle half each way: most of a picture's time goes into drawing it.
+/// The middle half of overhead_camera()'s image each way, since drawing takes most of the time.
 CameraCalibration near_camera() {
   CameraCalibration c = overhead_camera();
   c.principal_point_x = 194.5, c.principal_point_y = 144.5;
@@ -26,7 +26,7 @@ CameraCalibration near_camera() {
   return c;
 }
 
-/// Six robots, a ball, and a table that was accepted in light 1.
+/// Six robots, a ball, and a table accepted in light 1.
 class Hall {
  public:
   explicit Hall(PixelFormat format = PixelFormat::kUyvy)
@@ -34,7 +34,7 @@ class Hall {
     params_.enabled = true;
   }
 
-  /// So many pictures in a light, each with what `more` adds to it.
+  /// Shows the follower `pictures` images in a light. `more` adds things to each.
   template <class More>
   void look(double light, int pictures, const More& more) {
     SimulatorOptions options = plain_options(format_);
@@ -129,8 +129,7 @@ TEST(LightFollower, WithoutConfirmedRobotsNothingMoves) {
 
 // ---- wrong things
 
-/// An orange shirt and a pink bag that move over a part of the field and over robots, and a yellow card on
-/// it.
+/// An orange shirt and a pink bag that move over part of the field and over robots, and a yellow card.
 void wrong_things(DrawnScene& drawn, int i) {
   drawn.cover(900, -900 + 90.0 * i, 1500, 180, {238, 108, 32});
   drawn.cover_bar(1400, 700 - 60.0 * i, 1600, 700 - 60.0 * i, 900, 200, {230, 64, 150});
@@ -291,4 +290,4 @@ TEST(LightFollower, SaysThatTheCameraIsNotCalibrated) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::light_follower_test

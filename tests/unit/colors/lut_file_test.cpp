@@ -16,7 +16,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::lut_file_test {
 namespace {
 
 using ::testing::AllOf;
@@ -52,7 +52,7 @@ ColorTable painted(int bits, Label label) {
   return table;
 }
 
-// ---- ours
+// ---- our own tables
 
 TEST(TableFile, ReadsTablesOfOurs) {
   for (const int bits : {5, 7}) {
@@ -126,7 +126,7 @@ TEST(TableFile, JsonThatTakesMuchMemoryOrTimeIsRefused) {
 
 // ---- SSL-Vision's
 
-/// 4/6/6 bits, padded as SSL-Vision does.
+/// A LUT with 4/6/6 bits of Y, U and V, padded like SSL-Vision's.
 std::string blob(Label label, std::size_t size = 131'072) {
   Bytes bytes(size);
   for (std::size_t y = 4; y < 8; ++y) {
@@ -240,7 +240,7 @@ TEST(TableFile, DepthIsBounded) {
   EXPECT_NE(error_of_text(text), "no error");
 }
 
-/// Real ones, of leagues and teams.
+/// Real files of leagues and teams.
 class RealFile : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -288,4 +288,4 @@ TEST_F(RealFile, TreesNameTheFilesThatHoldTheirLuts) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::lut_file_test

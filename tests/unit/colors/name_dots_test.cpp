@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv::test {
+namespace sslv::test::name_dots_test {
 namespace {
 
 /// A robot with dots of these colours, under some light.
@@ -99,4 +99,4 @@ TEST(NameDots, OneOddDotMakesNoGroup) {
 }
 
 }  // namespace
-}  // namespace sslv::test
+}  // namespace sslv::test::name_dots_test

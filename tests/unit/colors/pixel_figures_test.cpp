@@ -10,13 +10,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::pixel_figures_test {
 namespace {
 
 using testing::DoubleNear;
 using testing::ElementsAre;
 
-/// 8 x 6 pixels of one colour with a pixel or quad of another at (4, 2).
+/// 8 x 6 pixels of one colour, with 2 x 2 pixels of another at (4, 2).
 struct Scene {
   static constexpr int kWidth = 8, kHeight = 6;
   std::vector<std::uint8_t> bytes;
@@ -78,7 +78,7 @@ constexpr std::array kColored{PixelFormat::kUyvy,     PixelFormat::kYuyv,     Pi
 Lut pink_lut() {
   ColorTable table;
   const Yuv spot = to_yuv(kSpot);
-  constexpr int kReach = 6;  // the RGB twin has the middles of its own cells
+  constexpr int kReach = 6;  // the RGB table is sampled at the centres of its own cells
   for (int y = -kReach; y <= kReach; ++y) {
     for (int u = -kReach; u <= kReach; ++u) {
       for (int v = -kReach; v <= kReach; ++v) {
@@ -124,7 +124,7 @@ TEST(PixelFigures, LabelsAreTheSegmentations) {
 
 TEST(PixelFigures, ARectangleIsCutToThePictureAndGrownToCells) {
   const Scene yuv(PixelFormat::kUyvy, kGround, kSpot);
-  // An odd place: its neighbour's colour is needed, but it is not asked for.
+  // An odd x: reading needs the neighbour's chroma, but must not return the neighbour.
   PixelBlock block = read_pixels(yuv.view, {5, 3, 1, 1}, pink_lut());
   EXPECT_EQ(block.columns, 1);
   EXPECT_THAT(block.colors, ElementsAre(to_yuv(kSpot)));
@@ -148,7 +148,7 @@ TEST(PixelFigures, ARectangleIsCutToThePictureAndGrownToCells) {
 TEST(PixelFigures, ARegionHangsTogether) {
   Scene scene(PixelFormat::kRgb24, kGround, kSpot);
   scene.put(0, 5, kSpot);  // far from the others
-  scene.put(6, 4, kSpot);  // touches a corner
+  scene.put(6, 4, kSpot);  // touches at a corner
   const PixelBlock block = read_pixels(scene.view, {0, 0, Scene::kWidth, Scene::kHeight}, pink_lut());
   const auto region = region_around(block, 4, 2);
   EXPECT_EQ(std::count(region.begin(), region.end(), true), 5);
@@ -160,4 +160,4 @@ TEST(PixelFigures, ARegionHangsTogether) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::pixel_figures_test

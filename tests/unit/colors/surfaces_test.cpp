@@ -9,7 +9,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::surfaces_test {
 namespace {
 
 using ::testing::Optional;
@@ -18,8 +18,8 @@ constexpr Rgb kCarpet{60, 130, 70}, kFloor{132, 106, 80}, kOrange{220, 110, 40},
     kWhite{225, 225, 225};
 constexpr double kDot_px = 10;
 
-/// A frame over a carpet with a soft pattern, and floor to the right of it; both in any light, with noise
-/// that the light does not change.
+/// An image of a softly patterned carpet with floor to the right of it, in any light. The noise does not
+/// depend on the light.
 class Hall {
  public:
   static constexpr int kWidth = 320, kHeight = 240, kFloorFrom = 230;
@@ -78,19 +78,19 @@ SurfaceColors see(const Hall& hall, std::vector<PixelDisc> left_out = {}, bool i
   return find_surfaces(search);
 }
 
-/// A table that says so of each colour.
+/// A table with the label that `label_of` returns for each colour.
 ColorTable table_of(const std::function<Label(Yuv)>& label_of) {
   ColorTable table;
   for (std::size_t cell = 0; cell < table.labels.size(); ++cell)
     table.labels[cell] = label_of(table.color_of(cell));
   return table;
 }
-/// Green, from and to some luma.
+/// Green from luma `min_y` to `max_y`, else clear.
 Lut green_within(int min_y, int max_y) {
   return Lut(table_of([=](Yuv c) { return c.y >= min_y && c.y <= max_y ? label::kGreen : label::kClear; }));
 }
 
-/// Which share of a surface has a label in some light: what a margin is about, by looking.
+/// Share of a surface's pixels with the label in some light, counted in an image; margins predict it.
 double share_with(Label label, const Lut& lut, const Hall& hall, SurfaceKind kind, double light) {
   const std::vector<std::uint8_t> bytes = hall.expose(light);
   double count = 0, all = 0;
@@ -104,7 +104,7 @@ double share_with(Label label, const Lut& lut, const Hall& hall, SurfaceKind kin
   }
   return count / all;
 }
-/// Where, step by step, more than the share of a flood has it.
+/// The first light, in factors of `step` from 1, in which more than kFloodShare of the surface has the label.
 double first_light(Label label, const Lut& lut, const Hall& hall, SurfaceKind kind, double step) {
   double light = 1;
   while (share_with(label, lut, hall, kind, light) <= kFloodShare) light *= step;
@@ -201,12 +201,12 @@ TEST(Surfaces, TheCarpetTakesNothingToBeKeptOfAnotherHue) {
   const SurfaceColors surfaces = see(hall);
   const auto cleared = [&](bool keep) {
     ColorTable table = table_of([](Yuv) { return label::kBlue; });
-    const auto is_bluer = [](Label, Yuv c) { return c.u - 128 > -0.13 * c.y; };  // carpet has -.17
+    const auto is_bluer = [](Label, Yuv c) { return c.u - 128 > -0.13 * c.y; };  // the carpet: -0.17
     clear_surfaces(table, surfaces, {}, [&](Label label, Yuv c) { return keep && is_bluer(label, c); });
     return Lut(table);
   };
   const Lut kept = cleared(true), all = cleared(false);
-  // Carpet in the shade, and what is as dark and so much bluer that noise does not explain it.
+  // Shaded carpet, and an equally dark colour that is bluer than noise explains.
   const Yuv carpet = to_yuv({33, 72, 39});
   const Yuv bluer{carpet.y, static_cast<std::uint8_t>(carpet.u + 8), carpet.v};
   EXPECT_EQ(all.of_yuv(bluer.y, bluer.u, bluer.v), label::kClear);
@@ -270,12 +270,12 @@ TEST(Surfaces, TheCarpetIsWhatIsCommonestOnTheField) {
   EXPECT_TRUE(reach_of(surfaces, SurfaceKind::kFloor, kAsSeen)(to_yuv(kFloor)));
 }
 
-// Noise in whole levels made one camera's margin 3 % in one image and 52 % in the next.
+// With noise estimated in whole levels, one camera's margin was 3 % in one image and 52 % in the next.
 TEST(Surfaces, KnowTheirNoiseBetweenLevels) {
   for (const double sigma : {1.5, 1.8, 2.1, 2.4, 2.7, 3.0}) {
     SCOPED_TRACE(sigma);
     const SurfaceColors surfaces = see({}, {}, false, sigma);
-    // What independent noise of red, green and blue makes of Y, U and V (BT.601).
+    // Noise of Y, U and V from independent noise of red, green and blue (BT.601).
     EXPECT_NEAR(surfaces.noise_sigma[0], 0.67 * sigma, 0.25);
     EXPECT_NEAR(surfaces.noise_sigma[1], 0.62 * sigma, 0.25);
     EXPECT_NEAR(surfaces.noise_sigma[2], 0.66 * sigma, 0.25);
@@ -315,4 +315,4 @@ TEST(Surfaces, MarginsInWords) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::surfaces_test

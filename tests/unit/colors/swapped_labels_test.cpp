@@ -9,13 +9,13 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::swapped_labels_test {
 namespace {
 
 using ::testing::IsEmpty;
 using ::testing::UnorderedElementsAre;
 
-/// The demo's classes; `other`: labels that take the place of others; all hues turned by `by_deg`.
+/// The demo's colour classes, with labels replaced by `other` and all hues rotated by `by_deg`.
 ColorSettings demo_colors(const std::map<std::string, std::string>& other = {}, int by_deg = 0) {
   const Json demo = Json::parse(std::ifstream(source_path("/config/demo.json")));
   ColorSettings out;
@@ -58,4 +58,4 @@ TEST(SwappedLabels, AreThoseThatHaveTheHueOfAnother) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::swapped_labels_test

@@ -8,14 +8,14 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::table_edit_test {
 namespace {
 
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// Tables of 5 bits: a cell is 8 levels wide, a place in it is 8 times its number.
+// Tables of 5 bits: a cell is 8 levels wide, so cell n begins at level 8 n.
 constexpr int kStep = 8;
 
 Label& at(ColorTable& table, int y, int u, int v) {
@@ -37,7 +37,7 @@ ColorTable with_box(Label label, int from, int to) {
   return table;
 }
 
-/// Applies it and holds the runs against what has really changed.
+/// Applies the edit and compares the returned runs with the actual changes.
 void edit(ColorTable& table, const TableEdit& edit) {
   const ColorTable before = table;
   const std::vector<CellRun> runs = apply_edit(table, edit);
@@ -93,7 +93,7 @@ TEST(TableEdit, WideningMarginsKeepsWhatIsTypicalOfALabelFromTheFloor) {
   const auto at_rgb = [](const ColorTable& table, Rgb color) { return table.of(to_yuv(color)); };
   constexpr Rgb kGreyish{116, 122, 112};
   ColorTable table(6);
-  // Most of green is what dots have; some is carpet, and some nearly grey.
+  // Most green cells have dots' colours; some have the carpet's, and some are nearly grey.
   for (std::size_t cell = 0; cell < table.labels.size(); ++cell) {
     const Rgb c = to_rgb(table.color_of(cell));
     const bool is_greyish =
@@ -128,7 +128,7 @@ TEST(TableEdit, ABallIsAnEllipsoidOfLevels) {
   EXPECT_EQ(table.of({100, 126, 140}), label::kClear);
   EXPECT_EQ(table.of({108, 124, 140}), label::kClear) << "not a box";
   EXPECT_EQ(table.of({100, 120, 142}), label::kClear);
-  // In Y +-4 cells, in U +-2: 9 on the axis, at +-1 (half of it) 7, at +-2 (the end) 1.
+  // Radii: 4 cells in Y, 2 in U. Cells: 9 on the Y axis, 7 at U +-1, 1 at U +-2.
   EXPECT_EQ(count(table, label::kPink), 9u + 2 * 7 + 2 * 1);
 }
 
@@ -166,7 +166,7 @@ TEST(TableEdit, EraseMayTakeOnlyOneLabel) {
 
 TEST(TableEdit, FillStaysWithinConnectedCellsOfOneLabel) {
   ColorTable table = with_box(label::kBlue, 2, 4);
-  at(table, 5, 5, 5) = label::kBlue;  // touches with a corner only
+  at(table, 5, 5, 5) = label::kBlue;  // touches only at a corner
   edit(table, FillEdit{label::kPink, level(3, 3, 3)});
   EXPECT_EQ(count(table, label::kPink), 9u) << "one slice";
   EXPECT_EQ(at(table, 3, 2, 4), label::kPink);
@@ -246,7 +246,7 @@ TEST(TableEdit, ClustersReachBeyondTheirPixelsButNotToOutliers) {
   std::normal_distribution<double> noise;
   ColorCluster cluster;
   for (int i = 0; i < 400; ++i) {
-    // Brightness varies with U, as shades do.
+    // Brightness correlates with U, as in shades.
     const double y = 10 * noise(random);
     const auto byte = [](double value) { return static_cast<std::uint8_t>(value + 0.5); };
     cluster.pixels.push_back(
@@ -262,7 +262,7 @@ TEST(TableEdit, ClustersReachBeyondTheirPixelsButNotToOutliers) {
   EXPECT_EQ(table.of({30, 128, 128}), label::kClear);
   EXPECT_EQ(table.of({60, 134, 180}), label::kClear) << "between";
   EXPECT_EQ(table.of({140, 130, 200}), label::kClear) << "in the box, not in the ellipsoid";
-  // Standard deviations of 10, 5 and 2 levels, narrow across: an ellipsoid of three of them.
+  // An ellipsoid of 3 standard deviations: 10, 5 and 2 levels, and narrow across the correlation.
   EXPECT_GT(count(table, label::kPink), 200u);
   EXPECT_LT(count(table, label::kPink), 6000u);
 
@@ -409,7 +409,7 @@ TEST(TableEditJson, NamesWhatIsNotAllowed) {
 TEST(TableStatistics, CountsCellsAndWhereColoursMeet) {
   ColorTable table(5);
   for (int y = 0; y < 32; ++y) at(table, y, 10, 10) = y < 20 ? label::kOrange : label::kYellow;
-  at(table, 5, 11, 10) = label::kField;  // no colour
+  at(table, 5, 11, 10) = label::kField;  // not a colour
   at(table, 6, 10, 11) = label::kYellow;
   at(table, 0, 0, 0) = 12;
   at(table, 31, 31, 31) = label::kPink;
@@ -426,4 +426,4 @@ TEST(TableStatistics, CountsCellsAndWhereColoursMeet) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::table_edit_test

@@ -7,7 +7,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::table_history_test {
 namespace {
 
 TableEdit random_edit(std::mt19937& random) {
@@ -31,7 +31,7 @@ TEST(TableHistory, WhateverIsUndoneAndRedoneIsAsItWas) {
   ColorTable table(5);
   for (auto& print : table.prints) print = PrintColor{{3000, 3000, 4000}, 500};
   TableHistory history;
-  std::vector<ColorTable> states{table};  // after each step that is done, and what can be redone
+  std::vector<ColorTable> states{table};  // after each done step, then after each redoable one
   std::size_t at = 0;
   for (int i = 0; i < 400; ++i) {
     const ColorTable before = table;
@@ -60,7 +60,7 @@ TEST(TableHistory, WhateverIsUndoneAndRedoneIsAsItWas) {
     }
     ASSERT_TRUE(table == states[at]) << i;
     if (changed) {
-      // What it says changed is what changed.
+      // The reported runs are the actual changes.
       ColorTable again = before;
       for (const CellRun& run : *changed)
         std::fill_n(again.labels.begin() + run.begin, run.length, run.after);
@@ -106,4 +106,4 @@ TEST(TableHistory, ForgetsTheOldestBeyondItsBounds) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::table_history_test

@@ -11,12 +11,12 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::table_in_light_test {
 namespace {
 
 constexpr std::array kColors{label::kOrange, label::kYellow, label::kBlue, label::kPink, label::kGreen};
 
-/// As somebody paints it: each print's colour with a little about it in brightness and hue, no more.
+/// A table as painted by hand: each print's colour with only small margins in brightness and hue.
 std::shared_ptr<const Lut> painted_table() {
   std::vector<Label> labels(Lut::kEntries, label::kClear);
   const auto paint = [&](Label label, double darkest, double brightest, int radius) {
@@ -94,7 +94,8 @@ TEST(TableInLight, AreasOfOtherLightCountToo) {
 }
 
 TEST(TableInLight, WhatIsNamedBackgroundStaysThatInAreasOfOtherLight) {
-  // A bright carpet and a dim green that look alike: where the middle light says carpet, it is carpet.
+  // Carpet in average light and green in the darkest area look alike: the label in average light, carpet,
+  // wins.
   std::vector<Label> labels(Lut::kEntries, label::kClear);
   const auto paint = [&](Rgb color, Label label) {
     const Yuv c = to_yuv(color);
@@ -108,4 +109,4 @@ TEST(TableInLight, WhatIsNamedBackgroundStaysThatInAreasOfOtherLight) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::table_in_light_test

@@ -7,7 +7,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::backends_test {
 namespace {
 
 constexpr std::array<Backend, 2> kBackends{Backend{"files", "", nullptr, nullptr, nullptr, nullptr},
@@ -61,4 +61,4 @@ TEST(Cameras, EveryBackendIsEitherKnownOrMissing) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::backends_test

@@ -9,7 +9,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::settings_migrations_test {
 namespace {
 
 using testing::HasSubstr;
@@ -131,4 +131,4 @@ TEST(SettingsMigrations, LeaveWhatIsOfAnotherTypeToTheCheck) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::settings_migrations_test

@@ -10,7 +10,7 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::accuracy_bound_test {
 namespace {
 
 constexpr double kPxPerMm = 0.5, kHeightMm = 140, kBlurPx = 1.5, kSigma = 4, kContrast = 80;
@@ -49,7 +49,7 @@ class AccuracyBoundTest : public ::testing::Test {
     }
   }
 
-  // A pixel's square blurs as well.
+  // The area of a pixel also blurs: variance 1/12.
   const double kEdgePx = std::sqrt(kBlurPx * kBlurPx + 1.0 / 12);
   const BoundPose pose_{3, -5, 0, kHeightMm};
   CameraModel camera_{camera_above()};
@@ -60,8 +60,8 @@ class AccuracyBoundTest : public ::testing::Test {
 };
 
 TEST_F(AccuracyBoundTest, IsThatOfBlurredEdgesInClosedForm) {
-  // An edge of length l says of its place across itself contrast^2 l / (2 sqrt(pi) edge sigma^2), for a
-  // sample in each square pixel; along x that is half of a circle's.
+  // Fisher information of an edge of length l about its position across the edge: contrast^2 l / (2 sqrt(pi)
+  // edge sigma^2), for one sample per square pixel. A circle has half of that along x.
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   for (const PatternDot& dot : dots_) {
     const double around_px = std::numbers::pi * kPxPerMm * dot.diameter_mm;
@@ -90,7 +90,7 @@ TEST_F(AccuracyBoundTest, GrowsWithNoiseAndWithMotion) {
 }
 
 TEST_F(AccuracyBoundTest, AThirdOfTheValuesSaysAThirdAsMuch) {
-  // A Bayer picture of the same grey scene has a third of the RGB picture's values.
+  // A Bayer image of the same grey scene has a third of the RGB image's values.
   std::vector<std::uint8_t> mosaic(kSize * kSize);
   for (std::size_t i = 0; i < mosaic.size(); ++i) mosaic[i] = bytes_[3 * i];
   const double rgb = robot_bound(picture_, {&pose_, 1})->position_mm;
@@ -105,4 +105,4 @@ TEST_F(AccuracyBoundTest, ThereIsNoneForARobotAtThePicturesRim) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::accuracy_bound_test

@@ -10,7 +10,7 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
-namespace sslv {
+namespace sslv::accuracy_test {
 namespace {
 
 using ::testing::AllOf;
@@ -194,4 +194,4 @@ TEST(AccuracyGolden, TheSuiteOfTheProjectCanBeRead) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::accuracy_test

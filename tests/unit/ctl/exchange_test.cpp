@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What ssl-visionctl stands of whatever answers at the daemon's address.
+// ssl-visionctl must cope with any server at the daemon's address.
 #include "ctl/exchange.h"
 
 #include "ctl/client.h"
@@ -17,17 +17,18 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-namespace sslv {
+namespace sslv::exchange_test {
 namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// Answers every connection in the same way: reads its request to the end of the header, and then does this.
+/// Answers every connection in the same way: reads the request up to the end of its header, then calls
+/// `answer`.
 class Server {
  public:
-  /// Whether more may be sent: not once the client is gone.
+  /// Sends a part of the answer. Returns false once the client has disconnected.
   using Send = std::function<bool(std::string_view)>;
 
   explicit Server(std::function<void(const Send&)> answer)
@@ -49,7 +50,7 @@ class Server {
   }
 
   std::string address() const { return "http://127.0.0.1:" + std::to_string(port_); }
-  const std::string& asked() const { return asked_; }  // once it was answered
+  const std::string& asked() const { return asked_; }  // valid once the request is answered
 
  private:
   void serve() {
@@ -209,7 +210,7 @@ TEST(Exchange, AnAnswerThatNeverComesToItsEndIsNotWaitedFor) {
   limits.header = limits.whole = std::chrono::milliseconds(300);
   for (const char* head : {"", "HTTP/1.1 200 OK\r\n", "HTTP/1.1 200 OK\r\nContent-Length: 1000000\r\n\r\n"}) {
     const Server server([head](const Server::Send& send) {
-      // A byte now and then is no silence, and no end.
+      // A byte now and then counts neither as silence nor as the end.
       for (bool more = send(head); more;) {
         more = send("x");
         ::poll(nullptr, 0, 10);
@@ -243,4 +244,4 @@ TEST(Client, TakesNoJsonThatIsTooDeepOrNone) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::exchange_test

@@ -9,13 +9,13 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::process_test {
 namespace {
 
 using testing::DoubleNear;
 using testing::ElementsAre;
 
-/// The times that stages are told of three raw frames.
+/// The capture times that stages get for three raw frames.
 std::vector<double> times_of(const Json& source) {
   const test::TemporaryFolder folder;
   for (const char* name : {"a.raw", "b.raw", "c.raw"}) folder.write(name, std::string(64 * 48, '\x40'));
@@ -42,4 +42,4 @@ TEST(Process, FramesWithoutTimesAreAsFarApartEachTime) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::process_test

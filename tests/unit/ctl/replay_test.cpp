@@ -8,7 +8,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::replay_test {
 namespace {
 
 using testing::HasSubstr;
@@ -61,7 +61,7 @@ TEST_F(ReplayClips, SayWhatOtherSettingsChange) {
   EXPECT_THAT(text, HasSubstr("camera 1: 12 frames, other settings"));
   EXPECT_THAT(text, HasSubstr(" lost at "));
 
-  // The same settings from outside change nothing.
+  // Settings from outside that equal the recorded ones change nothing.
   command.other->settings = std::make_shared<const Config>(read_config(live_settings()));
   EXPECT_FALSE(replay_cameras(*clip_, command)[0].differs);
 }
@@ -80,4 +80,4 @@ TEST_F(ReplayClips, AreDescribed) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::replay_test

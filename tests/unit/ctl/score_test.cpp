@@ -8,7 +8,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::score_test {
 namespace {
 
 std::string robot(const char* team, int id, double x, double y, double orientation, bool visible = true) {
@@ -109,7 +109,7 @@ TEST(Score, PartlyVisibleThingsMayBeFoundOrNot) {
   EXPECT_EQ(s.robots.invented, 0U);
   EXPECT_EQ(s.balls.invented, 0U);
   EXPECT_EQ(s.robot_position_mm.count, 0U);
-  // But they must not be called by a wrong name.
+  // A wrong id still counts.
   EXPECT_EQ(scored(frame("a", robot("blue", 4, 30, 0, 0), "") + frame("b", "", ""), truth).robots.wrong_id,
             1U);
 }
@@ -121,7 +121,7 @@ TEST(Score, ExpectsWhatShowsEnough) {
   const std::string truth =
       frame("a", "",
             showing(0, true, 1) + "," + showing(1000, false, 0.6) + "," + showing(2000, false, 0.4) + "," +
-                ball(3000, 0) + "," + ball(4000, 0, false));  // the last two of an older simulator
+                ball(3000, 0) + "," + ball(4000, 0, false));  // the last two as from an older simulator
   const std::string detections = frame("a", "", ball(0, 0) + "," + ball(1001, 0) + "," + ball(2002, 0));
   const auto balls_with = [&](double min_visible_share) {
     std::istringstream d(detections), t(truth);
@@ -165,4 +165,4 @@ TEST(Score, NamesTheLineThatCannotBeRead) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::score_test

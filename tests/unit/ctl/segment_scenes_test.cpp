@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fused stage against the plain ones on pictures as cameras send them: drawn ones, and a real photograph.
+// Compares the fused stage with the plain ones on images as cameras send them: drawn ones, and a real
+// photograph.
 #include "config/backends.h"
 #include "ctl/bench.h"
 #include "support/paths.h"
@@ -11,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::segment_scenes_test {
 namespace {
 
 Config sample(const char* file) {
@@ -46,13 +47,13 @@ TEST(SegmentScenes, EqualThePlainStagesInEveryFormat) {
   for (const PixelFormat format :
        {PixelFormat::kUyvy, PixelFormat::kYuyv, PixelFormat::kRgb24, PixelFormat::kBgr24,
         PixelFormat::kBayerRg8, PixelFormat::kBayerGr8, PixelFormat::kBayerGb8, PixelFormat::kBayerBg8}) {
-    // In a Bayer picture as small as this, some frames show no region at all.
+    // In Bayer images this small, some frames contain no region at all.
     const Recording recording = draw_frames(demo, 0, format, 390, 290, 6, {{"noise_sigma", 6}});
     for (const Mask& mask : masks) expect_equal_on(recording, *lut, mask);
   }
 }
 
-/// With the colours of these settings.
+/// Expects equal results on one image, with the colours of these settings.
 void expect_equal_on_picture(const std::filesystem::path& picture, const char* settings) {
   const Config config = sample(settings);
   const auto lut = make_lut(config.cameras[0].colors, "");
@@ -62,7 +63,7 @@ void expect_equal_on_picture(const std::filesystem::path& picture, const char* s
   expect_equal_on(record(*source, 1), *lut, Mask());
 }
 
-// Blocks and smeared colours, as JPEG has them.
+// JPEG has block artefacts and smeared colours.
 TEST(SegmentScenes, EqualThePlainStagesOnAJpeg) {
   expect_equal_on_picture(source_path("/tests/golden/division_b.jpg"), "/tests/golden/division_b.json");
 }
@@ -75,4 +76,4 @@ TEST(SegmentScenes, EqualThePlainStagesOnARealPhotograph) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::segment_scenes_test

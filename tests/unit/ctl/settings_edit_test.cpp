@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::settings_edit_test {
 namespace {
 
 using testing::AllOf;
@@ -78,4 +78,4 @@ TEST(SettingsSchema, IsATableOfWhatCanBeSet) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::settings_edit_test

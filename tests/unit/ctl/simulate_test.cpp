@@ -10,7 +10,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::simulate_test {
 namespace {
 
 std::string contents(const std::filesystem::path& file) {
@@ -83,4 +83,4 @@ TEST_F(SimulateTest, RawFramesAreTheCamerasBytes) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::simulate_test

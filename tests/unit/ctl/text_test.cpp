@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What ssl-visionctl makes of the daemon's answers for people.
+// How ssl-visionctl shows the daemon's answers to people.
 #include "base/plain_text.h"
 #include "ctl/client.h"
 #include "ctl/colors.h"
@@ -12,7 +12,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::text_test {
 namespace {
 
 using testing::HasSubstr;
@@ -164,4 +164,4 @@ TEST(StatusText, SaysWhatStagesHaveToSayBesidesWarnings) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::text_test

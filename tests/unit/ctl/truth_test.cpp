@@ -10,14 +10,14 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::truth_test {
 namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// A camera that looks down from 4 m: 4 mm a pixel on the floor, +x to the right, +y up in the picture.
+/// A camera that looks down from 4 m: 4 mm per pixel on the floor; +x is right and +y is up in the image.
 Scene scene_from_above() {
   CameraCalibration c;
   c.focal_length = 1000;
@@ -33,7 +33,7 @@ Scene scene_from_above() {
   return scene;
 }
 
-/// The draft of a picture with yellow 3, blue 5 and a ball, marks 1 to 3.
+/// The draft of an image with yellow 3, blue 5 and a ball: marks 1 to 3.
 Json draft() {
   Frame frame;
   const std::uint8_t nothing = 0;
@@ -54,12 +54,12 @@ std::string refusal(const Corrections& corrections) {
   try {
     correct(line, corrections, scene_from_above());
   } catch (const SettingsError& error) {
-    EXPECT_EQ(line, draft());  // as it was
+    EXPECT_EQ(line, draft());  // unchanged
     return error.what();
   }
   return "no error";
 }
-/// A line against another, as `score` has it.
+/// Scores one line against another.
 Score scored(const Json& detections, const Json& truth) {
   std::istringstream d(detections.dump()), t(truth.dump());
   return score(d, t);
@@ -104,7 +104,7 @@ TEST(Truth, AWrongIdIsPutRight) {
 
 TEST(Truth, TwoRobotsMayChangeTheirIds) {
   const Json line = corrected({.ids = {{1, 4}, {2, 3}}, .robots = {{Team::kYellow, 3, 100, 100, 120, 100}}});
-  EXPECT_EQ(line["robots"][0]["id"], 4);  // yellow, as is the one that now has its old id
+  EXPECT_EQ(line["robots"][0]["id"], 4);  // still yellow, like the new robot with its old id
   EXPECT_EQ(line["robots"][2]["id"], 3);
 }
 
@@ -117,7 +117,7 @@ TEST(Truth, WhatWasMissedIsAddedByItsPixels) {
   EXPECT_EQ(robot["by"], "hand");
   EXPECT_NEAR(robot["x"], -100 * 3.86, 1e-6);  // 4000 - 140 mm below the camera
   EXPECT_NEAR(robot["y"], 100 * 3.86, 1e-6);
-  EXPECT_NEAR(robot["orientation"], M_PI / 2, 1e-9);  // up in the picture
+  EXPECT_NEAR(robot["orientation"], M_PI / 2, 1e-9);  // up in the image
   EXPECT_NEAR(line["balls"][1]["x"], 100 * (4 - 0.0215), 1e-6);
   EXPECT_EQ(line["balls"][1]["number"], 5);
   EXPECT_EQ(line["checked"], true);
@@ -133,7 +133,7 @@ TEST(Truth, WhatCannotBeIsRefused) {
   EXPECT_THAT(refusal({.robots = {{Team::kBlue, 5, 100, 100, 120, 100}}}),
               HasSubstr("blue 5 is there twice"));
   EXPECT_THAT(refusal({.robots = {{Team::kBlue, 1, 100, 100, 100, 100}}}), HasSubstr("looks towards"));
-  // All or nothing.
+  // If one correction is refused, none is applied.
   EXPECT_THAT(refusal({.remove = {1}, .balls = {{-5, 0}}}), HasSubstr("-5, 0 is not in it"));
 }
 
@@ -149,4 +149,4 @@ TEST(AnnotationPage, HoldsThePictureAndEveryMark) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::truth_test

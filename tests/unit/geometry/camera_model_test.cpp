@@ -13,10 +13,11 @@
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::camera_model_test {
 namespace {
 
-/// The protocol's own example: 3.5 m above (1250, 0), the picture's right is -y of the field, down is -x.
+/// The protocol's example: a camera 3.5 m above (1250, 0); the image's right is the field's -y, its down is
+/// -x.
 CameraCalibration overhead() {
   CameraCalibration c;
   c.focal_length = 600;
@@ -33,8 +34,8 @@ CameraCalibration overhead() {
   return c;
 }
 
-/// A camera 2 to 6 m above the field, tilted by up to 30 degrees, of any picture size and of every distortion
-/// that a picture of its size allows.
+/// A camera 2 to 6 m above the field, tilted by up to 30 degrees, with any image size and any distortion that
+/// is valid for it.
 CameraCalibration random_camera(std::mt19937& random) {
   const auto uniform = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
@@ -83,7 +84,7 @@ TEST(CameraModel, HigherPointsAreFartherFromTheCentre) {
   EXPECT_NEAR(camera.unproject({390 + 120, 290}, 1750)->y(), -350, 1e-9);
 }
 
-// ru = rd (1 + d rd^2): with f = 600 and d = 0.5, 300 px from the centre (rd = 0.5) are ru = 0.5625.
+// ru = rd (1 + d rd^2): with f = 600 and d = 0.5, 300 px from the centre (rd = 0.5) give ru = 0.5625.
 TEST(CameraModel, DistortionIsRadialInTheDistortedRadius) {
   CameraCalibration c = overhead();
   c.distortion = 0.5;
@@ -140,7 +141,7 @@ TEST(CameraModel, PointsBehindTheCameraHaveNoPicture) {
 
 TEST(CameraModel, PixelsAboveTheHorizonHaveNoPlace) {
   CameraCalibration c = overhead();
-  // Looks along +y of the field, horizontally: the picture's upper half shows no floor.
+  // Looks horizontally along the field's +y: the image's upper half shows no floor.
   const Eigen::Quaterniond q(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX()));
   c.q0 = q.x(), c.q1 = q.y(), c.q2 = q.z(), c.q3 = q.w();
   const Eigen::Vector3d t = -(q * Eigen::Vector3d(0, 0, 1000));
@@ -205,8 +206,8 @@ TEST(CameraModel, AreaOfAPixelGrowsWithTheDistance) {
   EXPECT_NEAR(camera.mm2_per_px({10, 10}, 1750), side_mm * side_mm / 4, 1e-9);
 }
 
-// Positions that a league's vision published, beside the pixels they came from and the calibration in force:
-// our model must map one to the other.
+// Positions published by a league's vision, with their pixels and the calibration in use: our model must map
+// one to the other.
 TEST(CameraModel, AgreesWithPositionsPublishedAtATournament) {
   const auto data = test_data_folder();
   std::ifstream calibrations(data / "logs" / "larc2016_calibrations.json");
@@ -246,4 +247,4 @@ TEST(CameraModel, AgreesWithPositionsPublishedAtATournament) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::camera_model_test

@@ -8,7 +8,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::field_test {
 namespace {
 
 std::map<std::string, std::array<double, 4>> by_name(const std::vector<FieldLine>& lines) {
@@ -186,4 +186,4 @@ TEST(Field, LinesThatCannotBeToldApartAreRefused) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::field_test

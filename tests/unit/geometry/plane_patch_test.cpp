@@ -9,12 +9,12 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::plane_patch_test {
 namespace {
 
 constexpr double kReachMm = 90;
 
-/// Calls `use` with places all over the picture where a patch of 90 mm is wholly in view.
+/// Calls `use` with places all over the image where a patch of 90 mm is fully in view.
 template <class Use>
 void for_places(const CameraModel& camera, double height_mm, const Use& use) {
   for (int u = 30; u <= 750; u += 90) {
@@ -30,7 +30,8 @@ Eigen::Vector2d around(int i, double reach_mm) {
   return reach_mm * Eigen::Vector2d(std::cos(angle), std::sin(angle));
 }
 
-/// Largest difference from the camera model within the reach, on the plane.
+/// Largest difference from the camera model at a distance of `reach_mm`, in mm on the plane; 1e9 without a
+/// patch.
 double worst_mm(const CameraModel& camera, const Eigen::Vector2d& place, double height_mm, double reach_mm) {
   const auto patch = plane_patch(camera, place, height_mm, kReachMm);
   if (!patch) return 1e9;
@@ -107,4 +108,4 @@ TEST(PlanePatch, NothingWhereTheCameraSeesNothing) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::plane_patch_test

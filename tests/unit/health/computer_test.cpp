@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::computer_test {
 namespace {
 
 TEST(CoreTicks, AreThoseOfTheCoresWithoutTheirSum) {
@@ -49,4 +49,4 @@ TEST(Computer, ReadsTheOneItRunsOn) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::computer_test

@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::exposure_test {
 namespace {
 
-/// A picture of 640x480 whose left tenth has `left` in every byte, the rest `rest`.
+/// An image of 640x480 whose left tenth has `left` in every byte, the rest `rest`.
 std::vector<std::uint8_t> two_parts(int bytes_per_px, std::uint8_t left, std::uint8_t rest) {
   const std::size_t row = static_cast<std::size_t>(640) * static_cast<std::size_t>(bytes_per_px);
   std::vector<std::uint8_t> bytes(row * 480, rest);
@@ -51,4 +51,4 @@ TEST(Exposure, LooksOnlyAtWhatIsNotMasked) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::exposure_test

@@ -7,7 +7,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::histogram_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -47,4 +47,4 @@ TEST(Histogram, OfRecentDurationsHasAllThatAreKept) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::histogram_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::memory_left_test {
 namespace {
 
 /// A computer with 4 GB left, whose service is in /system.slice/x.service.
@@ -61,4 +61,4 @@ TEST_F(MemoryLeftTest, IsNotLimitedWhereNothingIsKnown) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::memory_left_test

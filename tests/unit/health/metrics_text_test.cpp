@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::metrics_text_test {
 namespace {
 
 using ::testing::EndsWith;
@@ -73,4 +73,4 @@ TEST(MetricsText, AHistogramsBucketsAddUp) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::metrics_text_test

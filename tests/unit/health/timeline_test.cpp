@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::timeline_test {
 namespace {
 
 Timeline::Reading running(std::uint64_t frames, std::uint64_t dropped = 0) {
@@ -93,4 +93,4 @@ TEST(Timeline, KeepsTenMinutesOfTheCamerasThatAreThere) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::timeline_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::color_test {
 namespace {
 
 // JFIF 1.02, section "Conversion to and from RGB".
@@ -63,4 +63,4 @@ TEST(Color, ColorsOutsideTheCubeAreClamped) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::color_test

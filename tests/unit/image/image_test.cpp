@@ -6,13 +6,13 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::image_test {
 namespace {
 
 static_assert(!std::is_copy_constructible_v<Image> && !std::is_copy_assignable_v<Image>);
 static_assert(std::is_nothrow_move_constructible_v<Image> && std::is_nothrow_move_assignable_v<Image>);
 
-/// A driver that notes which buffers came back.
+/// A fake driver that records returned buffers.
 struct Driver {
   std::vector<int> returned;
   std::vector<std::uint8_t> pixels = std::vector<std::uint8_t>(8);
@@ -96,4 +96,4 @@ TEST(PixelFormat, SizesSuitTheLayout) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::image_test

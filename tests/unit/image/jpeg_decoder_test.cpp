@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <turbojpeg.h>
 
-namespace sslv {
+namespace sslv::jpeg_decoder_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 constexpr int kWidth = 64, kHeight = 48;
 constexpr Rgb kLeft{200, 40, 30}, kRight{20, 90, 220};
 
-/// Left half one colour, right half another, with its colour kept as `subsampling` (TJSAMP_*) says.
+/// A JPEG image whose left and right halves differ in colour. `subsampling`: of chroma, TJSAMP_*.
 std::vector<std::uint8_t> jpeg_of(int subsampling) {
   std::vector<std::uint8_t> pixels;
   for (int i = 0; i < kWidth * kHeight; ++i) {
@@ -84,7 +84,7 @@ TEST(JpegDecoder, OthersComeAsRgb) {
   expect_near(to_yuv({last[0], last[1], last[2]}), to_yuv(kRight));
 }
 
-/// Many webcams leave out the tables that all of them have in common.
+/// Many webcams omit the standard Huffman tables.
 TEST(JpegDecoder, TablesMayBeMissing) {
   const std::vector<std::uint8_t> whole = jpeg_of(TJSAMP_422);
   std::vector<std::uint8_t> jpeg(whole.begin(), whole.begin() + 2);
@@ -143,4 +143,4 @@ TEST(JpegDecoder, ADamagedPictureDoesNotHarmTheNext) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::jpeg_decoder_test

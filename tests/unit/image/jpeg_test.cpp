@@ -13,7 +13,7 @@
 #include <gmock/gmock.h>
 #include <turbojpeg.h>
 
-namespace sslv {
+namespace sslv::jpeg_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -22,7 +22,7 @@ constexpr std::array kColors{Rgb{255, 255, 255}, Rgb{30, 60, 200},  Rgb{230, 200
                              Rgb{250, 120, 0},   Rgb{220, 40, 160}, Rgb{20, 140, 50}};
 constexpr int kPatches = static_cast<int>(kColors.size());
 
-/// The chart: upright bars of one colour each.
+/// The chart: vertical bars, each of one colour.
 Rgb color_at(int x, int width) {
   return kColors[static_cast<std::size_t>(x * kPatches / width)];
 }
@@ -32,7 +32,7 @@ struct Picture {
   ImageView view;
 };
 
-/// The chart as a camera of that format would give it, each row followed by `padding` bytes of rubbish.
+/// The chart as a camera with this format sends it, with `padding` garbage bytes after each row.
 Picture chart(PixelFormat format, int width, int height, int padding = 0) {
   Picture out;
   const int stride = width * bytes_per_pixel(format) + padding;
@@ -101,7 +101,7 @@ int difference(Rgb a, Rgb b) {
 
 class JpegOfFormat : public testing::TestWithParam<PixelFormat> {};
 
-/// The middle of every bar has its colour, whatever the scale.
+/// The middle of each bar keeps its colour at any scale.
 TEST_P(JpegOfFormat, KeepsSizeAndColours) {
   const Picture picture = chart(GetParam(), 384, 96, 10);
   JpegEncoder encoder;
@@ -143,8 +143,8 @@ TEST(Jpeg, ShrinksToOnePixel) {
   }
 }
 
-/// Scaling down averages: fine black and white lines become grey, and do not vanish as they would if pixels
-/// were picked out.
+/// Scaling down averages: fine black and white lines become grey. If single pixels were picked, lines would
+/// vanish.
 TEST(Jpeg, AveragesFineDetail) {
   std::vector<std::uint8_t> bytes(64 * 64);
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = i % 2 ? 255 : 0;
@@ -160,7 +160,7 @@ TEST(Jpeg, SmallerQualityIsSmallerFile) {
   EXPECT_LT(encoder.encode(picture.view, 384, 30).size(), fine);
 }
 
-/// Columns of red and grey, a pixel wide each.
+/// Alternating columns of red and grey, each a pixel wide.
 TEST(Jpeg, FullChromaKeepsEdges) {
   constexpr Rgb kRed{255, 0, 0}, kGrey{80, 80, 80};
   std::vector<std::uint8_t> bytes;
@@ -177,8 +177,7 @@ TEST(Jpeg, FullChromaKeepsEdges) {
   EXPECT_GT(difference(halved.at(9, 8), kGrey), 60);
 }
 
-/// White bars on a bayer sensor of any order stay white up to the edge: the mirrored border keeps the
-/// pattern.
+/// Bars keep their colour up to the edge in any Bayer order, because the mirrored border keeps the pattern.
 TEST(Jpeg, BayerBordersKeepTheirColour) {
   for (const PixelFormat format :
        {PixelFormat::kBayerRg8, PixelFormat::kBayerGr8, PixelFormat::kBayerGb8, PixelFormat::kBayerBg8}) {
@@ -193,4 +192,4 @@ TEST(Jpeg, BayerBordersKeepTheirColour) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::jpeg_test

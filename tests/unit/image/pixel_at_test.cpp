@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::pixel_at_test {
 namespace {
 
 using testing::ElementsAre;
@@ -39,7 +39,7 @@ TEST(PixelAt, MonoIsGrey) {
 }
 
 TEST(PixelAt, BayerIsLinearBetweenSamples) {
-  // Red rises to the right, green falls downwards, blue is even.
+  // Red increases to the right, green decreases downwards, blue is constant.
   constexpr int kWidth = 6, kHeight = 4;
   const auto red = [](int x) { return 40 + 10 * x; };
   const auto green = [](int y) { return 200 - 20 * y; };
@@ -84,4 +84,4 @@ TEST(PixelAt, CopiesTheGreyOfAllPixels) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::pixel_at_test

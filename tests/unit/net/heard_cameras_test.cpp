@@ -9,7 +9,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::heard_cameras_test {
 namespace {
 
 using testing::ElementsAre;
@@ -117,7 +117,7 @@ TEST_F(Heard, GeometryOfManyCamerasShutsNobodyOut) {
   for (const char* address : {"flood 1", "flood 2", "flood 3"}) hear(geometry(0, 64), address, 0);
   hear(geometry(4), "named", 0.1);
   EXPECT_TRUE(hear(detection(4), "named", 0.2));
-  // Others have their turn when the flood is over.
+  // Other senders are accepted when the flood is over.
   hear(geometry(9), "stranger", 0.1);
   hear(detection(9), "stranger", 0.2);
   EXPECT_FALSE(cameras_.cameras(0.2).contains(9));
@@ -200,10 +200,10 @@ TEST(OtherClock, OneThatIsSecondsOffIsSetRight) {
   OtherClock clock;
   for (int i = 0; i < 2000; ++i) clock.heard(1000 + 0.01 * i, 1002.84 + 0.01 * i + 0.0003 + 0.001 * (i % 7));
   EXPECT_NEAR(clock.correction_s(), 2.84, 1e-3);
-  // It is set meanwhile.
+  // The other clock is corrected meanwhile.
   for (int i = 0; i < 2000; ++i) clock.heard(1100 + 0.01 * i, 1100 + 0.01 * i + 0.0003);
   EXPECT_EQ(clock.correction_s(), 0);
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::heard_cameras_test

@@ -9,7 +9,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::heard_packets_test {
 namespace {
 
 using testing::IsEmpty;
@@ -60,7 +60,7 @@ TEST(HeardPackets, TellsTheRateOfTheLastSecondAndZeroInABreak) {
   for (int i = 0; i <= 150; ++i) hear_one(100 + i / 50.0);
   EXPECT_NEAR(heard.detections(103).at(3).per_s, 50, 1);
   EXPECT_EQ(heard.detections(106).at(3).per_s, 0);
-  hear_one(110);  // after a break nothing is known yet
+  hear_one(110);  // the rate is unknown after a break
   EXPECT_EQ(heard.detections(110).at(3).per_s, 0);
 }
 
@@ -105,4 +105,4 @@ TEST(PacketJson, HasTheNamesOfTheMessagesAndOnlyWhatThePacketHas) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::heard_packets_test

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
-namespace sslv {
+namespace sslv::local_listeners_test {
 namespace {
 
 using boost::asio::ip::make_address_v4;
@@ -18,7 +18,7 @@ using testing::SizeIs;
 const auto kVision = make_address_v4("224.5.23.2");
 
 TEST(ListeningSockets, AreThoseThatGetTheGroupsPackets) {
-  // The group, all addresses, one card's address, another port.
+  // In this order: the group, all addresses, one card's address, another port.
   const auto found = listening_sockets(
       "   sl  local_address rem_address   st tx_queue rx_queue tr tm->when retrnsmt   uid  timeout inode\n"
       "  10: 021705E0:2716 00000000:0000 07 00000000:00000000 00:00000000 00000000  1000        0 4711 2 0 "
@@ -89,4 +89,4 @@ TEST(UserName, IsTheNumberOfAUserThatIsNotKnown) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::local_listeners_test

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The league's messages against packets that real programs sent in a real match, and against our own.
+// Round trips of the league's messages: packets from a real match, and our own.
 #include "net/packets.h"
 #include "recording/match_log_reader.h"
 #include "recording/match_log_writer.h"
@@ -15,7 +15,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::log_packets_test {
 namespace {
 
 using test::TemporaryFolder;
@@ -24,8 +24,8 @@ struct Counts {
   int packets = 0, detections = 0, geometries = 0;
 };
 
-/// Reads a log of the league's logger; every packet must be written back as the same bytes: no field was
-/// unknown to us or of another type.
+/// Reads a log of the league's logger and expects each packet to serialize to the same bytes: no field may be
+/// unknown or of another type.
 void read_log(const std::filesystem::path& file, Counts& counts) {
   MatchLogReader reader(file);
   LoggedMessage message;
@@ -52,8 +52,7 @@ TEST(LogPackets, EveryPacketOfARealMatchReadsAndWritesBackTheSame) {
   EXPECT_GT(counts.geometries, 0);
 }
 
-// What we send ourselves, logged as the league's logger does it: the same is tried where there is no
-// recording.
+// Our own packets, logged as the league's logger does it: a test that needs no recorded match.
 TEST(LogPackets, EveryPacketOfOursReadsAndWritesBackTheSame) {
   CameraCalibration calibration;
   calibration.focal_length = 600;
@@ -80,7 +79,7 @@ TEST(LogPackets, EveryPacketOfOursReadsAndWritesBackTheSame) {
                       robots, balls, 1e9 + 0.01 * i, packet);
     }
     const auto payload = serialize(packet, buffer);
-    // Some are of other senders.
+    // Some messages are a tracker's.
     const std::int32_t type = i % 5 == 3 ? LoggedMessage::kTracker2020 : LoggedMessage::kVision2014;
     out.add(1'000'000'000LL * i, type, payload);
   }
@@ -93,4 +92,4 @@ TEST(LogPackets, EveryPacketOfOursReadsAndWritesBackTheSame) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::log_packets_test

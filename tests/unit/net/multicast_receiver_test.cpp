@@ -20,12 +20,12 @@
 #include <boost/asio/ip/multicast.hpp>
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::multicast_receiver_test {
 namespace {
 
 using testing::HasSubstr;
 
-/// What a receiver heard, for the test's thread.
+/// Passes what a receiver heard to the test's thread.
 class Heard {
  public:
   MulticastReceiver::Handler handler() {
@@ -64,8 +64,8 @@ void send(const GroupListener& to, const std::string& text) {
   send(sender, text);
 }
 
-/// Takes this program's sockets, but for the listener's own, out of its group: as the system does when the
-/// network card goes.
+/// Removes this program's socket (not the listener's own) from its group, as the kernel does when the network
+/// card disappears.
 void lose_membership(const GroupListener& listener) {
   const ip_mreq membership{{inet_addr(GroupListener::kGroup)}, {htonl(INADDR_LOOPBACK)}};
   for (int fd = 0; fd < 1024; ++fd) {
@@ -122,7 +122,7 @@ TEST(MulticastReceiver, JoinsASilentGroupAnew) {
   EXPECT_EQ(receiver.error(), "");
 }
 
-/// What a switch that loses multicast lets through.
+/// Sends to a broadcast address: a switch that loses multicast lets it through.
 MulticastSettings broadcasting(const GroupListener& listener, const char* address) {
   MulticastSettings settings = settings_for(listener);
   settings.group = address;
@@ -181,7 +181,7 @@ TEST(MulticastReceiver, HandsOnOnceWhatComesBothWays) {
       return arrivals.size() == 1 && arrivals[0].by_broadcast &&
              arrivals[0].by_multicast == (other_way == GroupListener::kGroup);
     }));
-    // Each way alone is heard, too: what follows is no copy of what was before.
+    // A packet that arrives only one way is delivered, too: it is not a duplicate of an earlier one.
     MulticastSender alone(settings_for(group));
     send(alone, "the last");
     EXPECT_EQ(heard.next(), "the last") << "a copy came first";
@@ -200,7 +200,7 @@ TEST(MulticastReceiver, LeavesOutBroadcastsThatComeByAnotherCardThanTheGroup) {
     if (receiver.broadcast_error().find("no network card leads to 239.255.77.77") != 0) return 1;
     MulticastSender sender(settings);
     if (!send(sender, "no route leads to this card")) return 2;
-    // A route needs an address that is not this computer's alone.
+    // A route needs an address that other computers could reach, not only 127.0.0.1.
     if (!set_loopback(SIOCSIFADDR, "10.9.9.1") || !route_to_loopback("239.0.0.0", "255.0.0.0"))
       return kNoNamespaces;
     if (!test::becomes([&] { return receiver.broadcast_error().empty() && receiver.error().empty(); }))
@@ -231,7 +231,7 @@ TEST(MulticastReceiver, SaysWhyBroadcastsAreNotHeardWhileTheGroupIs) {
   EXPECT_EQ(receiver.broadcast_error(), "");
 }
 
-/// As another computer sends.
+/// Sends `address` to the group from that address, as another computer would.
 void send_from(const std::string& address, const GroupListener& to) {
   namespace ip = boost::asio::ip;
   boost::asio::io_context io;
@@ -288,4 +288,4 @@ TEST(MulticastReceiver, SaysWhichCardIsNotThere) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::multicast_receiver_test

@@ -14,7 +14,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::multicast_test {
 namespace {
 
 using testing::HasSubstr;
@@ -48,7 +48,7 @@ TEST(Multicast, SetsTheTtl) {
 TEST(Multicast, TwoProcessesSendAndTwoProgramsListenOnOnePort) {
   GroupListener first;
   GroupListener second(first.port());
-  // Before this process has threads: a sanitizer allows the child none otherwise.
+  // Fork before this process has threads: otherwise a sanitizer allows the child none.
   const int status = in_child([&] {
     MulticastSender there(settings_for(first));
     return send(there, "there") ? 0 : 1;
@@ -216,14 +216,14 @@ TEST(Multicast, ABroadcastAddressThatComesAndGoesChangesNothingForTheGroup) {
     if (!bring_loopback_up() || !set_loopback(SIOCSIFNETMASK, "255.255.255.0")) return kNoNamespaces;
     GroupListener listener;
     MulticastSettings settings = settings_for(listener);
-    settings.broadcast = "127.255.255.255";  // of a /8
+    settings.broadcast = "127.255.255.255";  // the broadcast address of a /8
     MulticastSender sender(settings);
     if (!send(sender, "x") || !listener.receive() || sender.status().error.empty()) return 1;
     const std::uint16_t port = listener.last_sender_port();
     if (!set_loopback(SIOCSIFNETMASK, "255.0.0.0")) return kNoNamespaces;
     if (!test::becomes([&] { return sender.status().error.empty(); })) return 2;
     if (!send(sender, "x") || !listener.receive()) return 3;
-    if (listener.last_sender_port() != port) return 4;  // a reader that is late would take it for another's
+    if (listener.last_sender_port() != port) return 4;  // for a late reader it would be another sender's
     if (!set_loopback(SIOCSIFNETMASK, "255.255.255.0")) return kNoNamespaces;
     if (send(sender, "x") || !listener.receive()) return 5;
     const MulticastStatus now = sender.status();
@@ -264,8 +264,8 @@ TEST(Multicast, ThreadsSendWhileSettingsChange) {
   EXPECT_GT(sender.status().packets_sent, 0U);
 }
 
-/// Whether it was sent, or nothing but the kernel's queue kept it: on a busy computer that is full now and
-/// then.
+/// True if the packet was sent, or failed only because the kernel's queue was full, as happens on a busy
+/// computer.
 bool goes(MulticastSender& sender, std::span<const std::byte> packet) {
   return sender.send(packet) || errno == EWOULDBLOCK;
 }
@@ -300,4 +300,4 @@ TEST(Multicast, APacketGoesByTheOldSettingsOrTheNewOnesAndIsNeverLostBetween) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::multicast_test

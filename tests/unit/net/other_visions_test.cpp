@@ -11,7 +11,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::other_visions_test {
 namespace {
 
 using boost::asio::ip::udp;
@@ -77,7 +77,7 @@ TEST(OtherVisions, NamesEverySizeThatDiffers) {
   theirs.field_length = 12000;
   theirs.boundary_width_goal_line = 600;
   theirs.ball_radius = 21;
-  theirs.goal_substitution_area_width = 500;  // which ours does not have
+  theirs.goal_substitution_area_width = 500;  // ours has none
   FieldSize ours;
   ours.goal_substitution_area_width = 0;
   SSL_WrapperPacket packet = geometry(theirs);
@@ -151,7 +151,7 @@ TEST(OtherVisions, AComputerThatIsNamedFindsRoomAmongStrangers) {
 TEST(OtherVisions, FieldsOfOtherProgramsArePassedOver) {
   Group group;
   SSL_WrapperPacket packet = detection(3);
-  // What the league's programs have sent since 2026: times of a detection (9), and a message of its own (4).
+  // The league's programs have sent these since 2026: times in a detection (9), and a message of its own (4).
   packet.mutable_detection()->mutable_unknown_fields()->AddFixed64(9, 7);
   group.receive(packet, from("10.0.0.2"));
   SSL_WrapperPacket own;
@@ -184,11 +184,11 @@ TEST(OtherVisions, HearsTheGroupAndNotItself) {
     EXPECT_TRUE(sender.send(serialize(detection(camera_id), buffer)));
   };
   send(self, 1);
-  self.configure(settings);  // opens the socket anew
+  self.configure(settings);  // reopens the socket
   send(self, 2);
   std::vector<OtherVision> seen;
   EXPECT_TRUE(test::becomes([&] {
-    send(other, 3);  // again and again: who is silent for 5 s is forgotten
+    send(other, 3);  // repeatedly: a sender silent for 5 s is forgotten
     seen = others.seen(steady_s());
     return !seen.empty();
   }));
@@ -199,4 +199,4 @@ TEST(OtherVisions, HearsTheGroupAndNotItself) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::other_visions_test

@@ -8,13 +8,13 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::packets_test {
 namespace {
 
 using testing::ElementsAre;
 
-/// "0a ff" as bytes. The expected bytes below are written by hand from the protobuf encoding: a tag is
-/// (field << 3 | wire type) with wire type 0 varint, 1 eight bytes, 2 length and content, 5 four bytes.
+/// "0a ff" as bytes. The expected bytes below are encoded by hand: a tag is (field << 3 | wire type), with
+/// wire type 0 varint, 1 eight bytes, 2 length and content, 5 four bytes.
 std::string bytes(const std::string& hex) {
   std::istringstream in(hex);
   std::string out, byte;
@@ -42,7 +42,7 @@ Ball ball(double confidence) {
   return {.x_mm = -1500.5, .y_mm = 0, .pixel_x = 10, .pixel_y = 20, .area_px = 40, .confidence = confidence};
 }
 
-/// Hangs upside down over (1000, 1250, 3500) and looks straight down.
+/// Mounted upside down at (1000, 1250, 3500) mm, looking straight down.
 CameraModel camera() {
   CameraCalibration c;
   c.focal_length = 600;
@@ -92,7 +92,7 @@ TEST(Packets, DetectionBytes) {
                   "    45 00 00 0c 43"            // height 140
                   "  3a 25"                       // robots_blue, 37 bytes
                   "    0d 00 00 80 3f"            // confidence 1
-                  "    10 00"                     // robot_id 0, present all the same
+                  "    10 00"                     // robot_id 0, sent although it is 0
                   "    1d 00 00 00 00"            // x
                   "    25 00 00 00 00"            // y
                   "    2d 00 00 00 00"            // orientation
@@ -223,7 +223,7 @@ TEST(Packets, GivenLinesAreSentAsTheyAreTypedByTheirNames) {
   EXPECT_EQ(field.field_arcs(1).type(), Undefined);
 }
 
-/// Every field that is not set, such as "geometry.field.goal_height".
+/// Paths of all unset fields, such as "geometry.field.goal_height".
 std::vector<std::string> absent_fields(const google::protobuf::Message& message, const std::string& path) {
   std::vector<std::string> absent;
   const auto* reflection = message.GetReflection();
@@ -251,7 +251,7 @@ std::vector<std::string> absent_fields(const google::protobuf::Message& message,
 }
 
 TEST(Packets, AReceiverReadsEveryFieldOfTheGeometryAsItWasWritten) {
-  FieldSize f;  // every number another one
+  FieldSize f;  // all numbers differ
   f.field_length = 9001;
   f.field_width = 6002;
   f.goal_width = 1003;
@@ -444,4 +444,4 @@ TEST(Packets, AUsedMessageKeepsNothingOfTheLastFrame) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::packets_test

@@ -7,7 +7,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::referee_listener_test {
 namespace {
 
 using boost::asio::ip::udp;
@@ -18,7 +18,7 @@ udp::endpoint from(const char* address) {
   return {boost::asio::ip::make_address(address), 40'000};
 }
 
-/// As a game controller sends it, with fields that the vision does not know.
+/// A game controller's message, with fields that the vision does not know.
 std::string message(const std::string& yellow, const std::string& blue,
                     const std::string& source = "field-1") {
   Referee referee;
@@ -91,7 +91,7 @@ TEST(RefereeListener, FollowsTheFirstOfTwoUntilItIsSilent) {
   EXPECT_EQ(listener.referee.status(110).refused, 0U);
   EXPECT_EQ(other(110), "field-2 at 10.0.0.3");
   EXPECT_EQ(other(115), "none") << "it has been silent for longer than 5 s";
-  // The first was heard at 109 last.
+  // The first source was last heard at 109 s.
   listener.receive(message("KIKS", "MRL", "field-2"), 114, "10.0.0.3");
   EXPECT_EQ(listener.changes, 1);
   listener.receive(message("KIKS", "MRL", "field-2"), 114.5, "10.0.0.3");
@@ -122,7 +122,7 @@ TEST(RefereeListener, GameControllersWithoutNamesAreToldApartByTheirAddresses) {
 }
 
 TEST(RefereeListener, ReadsTheBytesOfTheWire) {
-  // By hand: tag is (field << 3 | 2) for content with its length.
+  // Encoded by hand: the tag of a length-delimited field is (field << 3 | 2).
   Listener listener;
   listener.receive("\x10\x01\x20\x02\x3A\x05\x0A\x03MRL\x42\x06\x0A\x04KIKS\x50\x01\x92\x01\x02gc");
   EXPECT_THAT(listener.referee.team_names(), ElementsAre("MRL", "KIKS"));
@@ -287,4 +287,4 @@ TEST(RefereeListener, ForgetsTheNamesWhenItListensElsewhere) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::referee_listener_test

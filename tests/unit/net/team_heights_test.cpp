@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::team_heights_test {
 namespace {
 
 using testing::Optional;
@@ -59,4 +59,4 @@ TEST(TeamHeight, NamesAreTheSameWhenSpellingIsAllThatDiffers) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::team_heights_test

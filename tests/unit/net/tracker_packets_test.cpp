@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::tracker_packets_test {
 namespace {
 
 TrackedField field() {
@@ -87,8 +87,7 @@ TEST(TrackerPackets, LieOnTheWireAsTheLeagueHasThem) {
   std::vector<std::byte> buffer;
   write_tracked(tracked, {"u", "n"}, packet);
   const auto bytes = serialize(packet, buffer);
-  // By hand from the protobuf encoding: uuid 1, source_name 2, tracked_frame 3 {frame_number 1, timestamp 2,
-  // capabilities 6}.
+  // Encoded by hand: uuid 1, source_name 2, tracked_frame 3 {frame_number 1, timestamp 2, capabilities 6}.
   const std::string expected{
       "\x0a\x01u\x12\x01n\x1a\x11\x08\x01\x11\x00\x00\x00\x00\x00\x00\x00\x40"
       "\x30\x01\x30\x02\x30\x03",
@@ -97,4 +96,4 @@ TEST(TrackerPackets, LieOnTheWireAsTheLeagueHasThem) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::tracker_packets_test

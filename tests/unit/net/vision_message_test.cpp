@@ -16,7 +16,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::vision_message_test {
 namespace {
 
 using testing::HasSubstr;
@@ -79,7 +79,7 @@ TEST(VisionMessage, LeavesOutSightingsOutsideTheLimits) {
   EXPECT_EQ(message->detection->arrived.left_out, 10U);
 }
 
-/// Sums and differences of two clocks stay finite.
+/// The limits keep sums and differences of two clocks finite.
 TEST(VisionMessage, HasNoTimesOutsideTheLimits) {
   for (const double t_s : {1e12, -1e308, std::numeric_limits<double>::infinity(), std::nan("")}) {
     SSL_WrapperPacket packet = detection(1, 1);
@@ -157,7 +157,7 @@ TEST(VisionMessage, KnowsNoCameraThatHangsNowhere) {
   EXPECT_EQ(message_of(packet)->cameras.size(), 1U);
 }
 
-/// docs/protocol.md has the limits for people.
+/// docs/protocol.md lists the limits.
 TEST(VisionMessage, ItsLimitsStandInTheDocs) {
   std::ifstream in(source_path("/docs/protocol.md"));
   const std::string text{std::istreambuf_iterator<char>(in), {}};
@@ -181,4 +181,4 @@ TEST(VisionMessage, ItsLimitsStandInTheDocs) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::vision_message_test

@@ -7,7 +7,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::vision_sender_test {
 namespace {
 
 using std::chrono::duration;
@@ -64,7 +64,7 @@ TEST(DetectionSender, AllocatesNothingInSteadyState) {
   const RobotList none;
   FrameInfo info{.camera_id = 0, .number = 0, .times = {0, 0}};
   const auto publish = [&] {
-    sender.send(info, info.number % 2 == 0 ? full : none, balls);  // the counts change, as they do on a field
+    sender.send(info, info.number % 2 == 0 ? full : none, balls);  // counts vary, as on a field
     ++info.number;
   };
   publish();
@@ -118,4 +118,4 @@ TEST(GeometrySender, WaitsForTheFirstGeometry) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::vision_sender_test

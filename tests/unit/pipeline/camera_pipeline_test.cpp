@@ -20,7 +20,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::camera_pipeline_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -36,7 +36,7 @@ struct CountingSink : DetectionSink {
   std::size_t packets = 0, robots = 0;
 };
 
-/// Marks frames with its parameter.
+/// Marks each frame with its parameter, the number of balls.
 struct Mark {
   struct Params {
     int balls = 0;
@@ -147,7 +147,7 @@ TEST(CameraPipeline, FramesInTheSpareGiveTheirBufferBackAtOnce) {
   EXPECT_LE(buffers_out, 1);
 }
 
-/// Counts the buffers that are out, and those given back by another thread than its maker's.
+/// Counts lent buffers, and those returned by a thread other than the camera's.
 struct Driver {
   Image lend() {
     ++lent;
@@ -178,7 +178,7 @@ TEST(CameraPipeline, WhatAViewerLetsGoOfGoesBackByTheCamerasThread) {
   EXPECT_EQ(driver.lent, 0);
 }
 
-/// Stops in the middle of a frame.
+/// Blocks in publish() until the test continues.
 struct WaitingSink : DetectionSink {
   void publish(const FrameInfo&, const Scene&, const RobotList&, const BallList&) noexcept override {
     entered.release();
@@ -214,7 +214,7 @@ TEST(CameraPipeline, AThreadThatIsHeldWhileItLooksDelaysNoFrame) {
   const auto process = [&] {
     for (int i = 0; i < 3; ++i) camera.process({}, {});
   };
-  for (int i = 0; i < 20; ++i) process();  // lists of all slots grow
+  for (int i = 0; i < 20; ++i) process();  // until the lists of all slots have grown
   std::uint64_t seen = 0;
   const std::vector<std::function<void()>> looks{
       [&] { (void)camera.finished().peek(); },
@@ -232,7 +232,7 @@ TEST(CameraPipeline, AThreadThatIsHeldWhileItLooksDelaysNoFrame) {
 
 TEST(CameraPipeline, TheWholeStackAllocatesNothingPerFrame) {
   if (!counts_allocations()) GTEST_SKIP() << "the sanitizer has its own allocator";
-  // Every second luma is a colour of interest: many runs, regions and dots.
+  // Two of every eight cells have a colour label: random images give many runs, regions and dots.
   std::vector<Label> table(Lut::kEntries);
   for (std::size_t i = 0; i < table.size(); ++i)
     table[i] = i % 8 < 6 ? label::kClear : static_cast<Label>(2 + i % 6);
@@ -265,7 +265,7 @@ TEST(CameraPipeline, TheWholeStackAllocatesNothingPerFrame) {
         camera.process(Image(view, nullptr, nullptr, nullptr), {});
       }
     };
-    run(100);  // lists of all slots grow to what the pictures need
+    run(100);  // until the lists of all slots are large enough
     const auto before = allocation_count();
     run(1000);
     EXPECT_EQ(allocation_count() - before, 0u) << stack.front();
@@ -273,4 +273,4 @@ TEST(CameraPipeline, TheWholeStackAllocatesNothingPerFrame) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::camera_pipeline_test

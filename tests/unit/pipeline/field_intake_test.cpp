@@ -8,13 +8,13 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::field_intake_test {
 namespace {
 
 class Intake : public testing::Test {
  protected:
   Intake() {
-    CameraCalibration calibration;  // 4 m above the middle of the field
+    CameraCalibration calibration;  // 4 m above the field's centre
     calibration.q0 = 1;
     calibration.q3 = 0;
     calibration.tz = 4000;
@@ -35,7 +35,7 @@ class Intake : public testing::Test {
   }
   FrameInfo info(double t_s) const { return {.camera_id = 3, .number = 5, .times = {.t_capture_s = t_s}}; }
 
-  /// What came first; a camera of -1: nothing.
+  /// The oldest image; its camera is -1 if there is none.
   ArrivedSightings take() {
     ArrivedSightings out;
     out.image.camera = -1;
@@ -74,7 +74,7 @@ TEST_F(Intake, BringsWhatACameraSawWithHowSureThatIs) {
   EXPECT_EQ(robot.place_cov_mm2(1, 1), 0.04);
   EXPECT_EQ(robot.orientation_sigma_rad, 0.001);
   ASSERT_EQ(got.image.balls.size(), 1U);
-  // It looks larger by a twenty-second part: so much nearer to the camera.
+  // It appears 22.5/21.5 times its size, so it is closer to the camera by that factor.
   EXPECT_NEAR(got.image.balls[0].height_mm, 21.5 + (4000 - 21.5) * (1 - 21.5 / 22.5), 1);
   EXPECT_NEAR(got.image.balls[0].height_sigma_mm, (4000 - 21.5) * 0.3 / 21.5, 60);
   EXPECT_EQ(take().image.camera, -1);
@@ -97,7 +97,7 @@ TEST_F(Intake, KnowsWhatAnotherComputersCameraSaw) {
   heard.image.is_of_other_computer = true;
   queue->hand_over(heard);
   EXPECT_TRUE(take().image.is_of_other_computer);
-  // In the same slots.
+  // Later images use the same slots.
   for (int i = 0; i < 100; ++i) {
     queue->hand_over(info(100 + i), scene_, robots_, balls_);
     EXPECT_FALSE(take().image.is_of_other_computer);
@@ -157,7 +157,7 @@ TEST_F(Intake, LeavesOutWhatNoCameraCanSee) {
                           .pixel_y = 0,
                           .area_px = 60,
                           .confidence = 0.8,
-                          .radius_mm = 1e-300,  // so it would be at the end of the world
+                          .radius_mm = 1e-300,  // an absurdly small ball: its height is unknown
                           .radius_sigma_mm = 0.3});
   queue->hand_over(info(1), scene_, robots_, balls_);
   const ArrivedSightings got = take();
@@ -193,4 +193,4 @@ TEST_F(Intake, ForgetsCamerasThatAreGoneButNotWhatTheyLost) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::field_intake_test

@@ -11,10 +11,10 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::frame_ring_test {
 namespace {
 
-/// A driver that counts the buffers that are out.
+/// A driver that counts the buffers it has lent.
 struct Driver {
   std::atomic<int> lent{0};
 
@@ -92,7 +92,7 @@ TEST(FrameRef, CopiesMovesAndAssignmentsCountOnce) {
   a->image = driver.lend();
   FrameRef b = a;
   FrameRef c = std::move(b);
-  EXPECT_FALSE(b);  // NOLINT(bugprone-use-after-move): a moved-from hold is empty
+  EXPECT_FALSE(b);  // NOLINT(bugprone-use-after-move): a moved-from FrameRef is empty
   const FrameRef& same = a;
   a = same;
   EXPECT_TRUE(a);
@@ -100,13 +100,13 @@ TEST(FrameRef, CopiesMovesAndAssignmentsCountOnce) {
   ring.give_back();
   EXPECT_EQ(driver.lent, 1);
   b = ring.acquire();
-  c = b;  // the first frame's last hold
+  c = b;  // releases the last reference to the first frame
   ring.give_back();
   EXPECT_EQ(driver.lent, 0);
   EXPECT_EQ(&*b, &*c);
 }
 
-// One thread fills frames, two look at whatever is newest: none may see a frame change under it.
+// One thread fills frames while two read the newest: no frame may change while it is read.
 TEST(FrameRing, ViewersNeverSeeAFrameBeingReused) {
   Driver driver;
   FrameRing ring(5);
@@ -145,4 +145,4 @@ TEST(FrameRing, ViewersNeverSeeAFrameBeingReused) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::frame_ring_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::latest_frame_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -16,7 +16,7 @@ using test::kPatience;
 
 class LatestFrameTest : public testing::Test {
  protected:
-  /// The next frame, with this number.
+  /// Puts a new frame with this number.
   void put(std::uint32_t number) {
     FrameRef frame = ring_.acquire();
     ASSERT_TRUE(frame);
@@ -109,4 +109,4 @@ TEST_F(LatestFrameTest, ReadersSeeRisingVersionsAndTheLastFrame) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::latest_frame_test

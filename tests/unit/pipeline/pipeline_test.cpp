@@ -7,10 +7,10 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::pipeline_test {
 namespace {
 
-// Stages that say what they were given through `width` and `height` of their lists.
+// These stages report their inputs in `width` and `height` of their lists.
 
 struct NoParams {
   static constexpr auto fields() { return std::tuple{}; }
@@ -48,7 +48,7 @@ struct FindRegions {
   void process(const Params&, const RunList&, RegionList&) noexcept {}
 };
 
-/// Remembers how often it ran, and sees the camera's constants.
+/// Outputs one robot per run so far, and a ball with the camera's constants.
 struct Count {
   using Params = NoParams;
   int ran = 0;
@@ -256,4 +256,4 @@ TEST_F(PipelineRun, EveryStageIsTimed) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::pipeline_test

@@ -13,7 +13,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::league_intake_test {
 namespace {
 
 constexpr std::int32_t kTypes[] = {LoggedMessage::kVision2014, LoggedMessage::kTracker2020,
@@ -114,7 +114,7 @@ TEST(LeagueShare, OneSenderLeavesHalfToTheOthers) {
   while (share.take(kSender, 84, 50)) {
   }
   EXPECT_TRUE(share.take(kSender + 1, 84, 50));
-  // However many senders there are, all together get no more than the whole.
+  // All senders together never get more than the total, however many there are.
   std::size_t taken = 0;
   for (std::uint32_t sender = 0; sender < 1000; ++sender) taken += share.take(sender, 84, 50) ? 100 : 0;
   EXPECT_EQ(taken, 1900U);
@@ -122,4 +122,4 @@ TEST(LeagueShare, OneSenderLeavesHalfToTheOthers) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::league_intake_test

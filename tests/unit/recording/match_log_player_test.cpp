@@ -16,7 +16,7 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
-namespace sslv {
+namespace sslv::match_log_player_test {
 namespace {
 
 using ::testing::DoubleNear;
@@ -26,7 +26,7 @@ using ::testing::Optional;
 
 constexpr std::int64_t kBegin_ns = 1'800'000'000'000'000'000;
 
-/// A log of 100 s: an image every second, goals after 20.5 and 60.5 s.
+/// A log of 100 s: an image every second, goals at 20.5 s and 60.5 s.
 class PlayerTest : public ::testing::Test {
  protected:
   PlayerTest() {
@@ -149,7 +149,7 @@ TEST(PlayKeys, AreWhatTerminalsSend) {
   EXPECT_EQ(take_key(typed), PlayKey::kNone);
 }
 
-/// A terminal.
+/// A pipe in place of a terminal.
 class TypedKeys : public testing::Test {
  protected:
   TypedKeys() { EXPECT_EQ(::pipe(pipe_), 0); }
@@ -205,4 +205,4 @@ TEST_F(TypedKeys, EndWithTheTerminal) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::match_log_player_test

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Logs of the league: written, read, indexed, and what is left of one after a power cut.
+// Match logs: written, read, indexed, and repaired after a power cut.
 #include "base/error.h"
 #include "base/json.h"
 #include "recording/match_log_index.h"
@@ -30,7 +30,7 @@
 #include <gmock/gmock.h>
 #include <zlib.h>
 
-namespace sslv {
+namespace sslv::match_log_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -57,7 +57,7 @@ std::vector<std::byte> bytes_of(std::string_view text) {
   return out;
 }
 
-/// Messages like those of a match: much of each is that of the one before.
+/// Messages like those of a match: each repeats much of the one before.
 class Match {
  public:
   explicit Match(unsigned seed = 1) : chance_(seed) {}
@@ -97,7 +97,7 @@ void expect_same(const LoggedMessage& a, const LoggedMessage& b) {
   EXPECT_EQ(a.bytes, b.bytes);
 }
 
-/// What a log holds, and why it could not be read on.
+/// A log's messages, and why reading stopped.
 struct WasRead {
   std::vector<LoggedMessage> messages;
   std::string problem;
@@ -273,7 +273,7 @@ TEST_F(MatchLog, GoesToAnyTime) {
   }
 }
 
-// A clock was set back: a time comes twice.
+// The clock was set back: a time occurs twice.
 TEST_F(MatchLog, GoesToTheFirstMessageOfATimeThatCameTwice) {
   {
     Match match;
@@ -295,8 +295,8 @@ TEST_F(MatchLog, GoesToTheFirstMessageOfATimeThatCameTwice) {
 }
 
 TEST_F(MatchLog, WhatWasFlushedSurvivesAPowerCutAtAnyPlace) {
-  // The file as it is on a disk that lost power: what was flushed, and of what came later some pages, others
-  // zero.
+  // The file on a disk that lost power: flushed data is complete; of the rest, some pages are written and
+  // others zero.
   Match match;
   MatchLogWriter out(file("whole.log.gz"));
   struct Flush {
@@ -442,7 +442,7 @@ TEST_F(MatchLog, NoBytesMakeItFail) {
 }
 
 TEST_F(MatchLog, WhatIsPackedTightlyTakesNoMemory) {
-  // A GiB of messages without bytes, packed to a MiB.
+  // 64 MiB of empty messages, which compress to a small file.
   gzFile out = gzopen(file().c_str(), "wb9");
   gzwrite(out, "SSL_LOG_FILE\0\0\0\1", 16);
   const std::string zeros(1 << 20, '\0');
@@ -496,7 +496,7 @@ TEST_F(MatchLog, AnIndexTakesLittleMemory) {
   EXPECT_TRUE(test::fits_into(test::kMemoryForAFile, [&] { read_match_log_index(file()); }));
 }
 
-/// However long a log is, its index can be read again.
+/// The index of a log of any length can be read again.
 TEST(MatchLogIndexMaker, LeavesOutPointsOfAVeryLongLog) {
   MatchLogIndexMaker maker;
   LoggedMessage message{.time_ns = kBegin_ns, .type = LoggedMessage::kVision2014, .bytes = bytes_of("x")};
@@ -642,4 +642,4 @@ TEST(MatchEvents, UnknownNumbersAreToldAsNumbers) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::match_log_test

@@ -20,13 +20,13 @@
 #include <gmock/gmock.h>
 #include <zlib.h>
 
-namespace sslv {
+namespace sslv::match_moment_test {
 namespace {
 
 constexpr std::int64_t kBegin_ns = 1'800'000'000'000'000'000;
 
-/// 20 s of two cameras at 10 Hz that see a ball which rolls 100 mm a second, a tracker until 10 s, the game
-/// controller once a second; the field is told once, after 2 s.
+/// A log of 20 s: two cameras at 10 Hz, the second one until 10 s, with a ball that rolls at 100 mm/s; a
+/// tracker until 10 s; the game controller once a second; one geometry message, at 2 s.
 class MatchMomentTest : public testing::Test {
  protected:
   MatchMomentTest() {
@@ -113,7 +113,7 @@ TEST_F(MatchMomentTest, IsWhatWasKnownThen) {
   EXPECT_EQ(moments.at(-1).value()["time_s"], 0);
 }
 
-/// The same messages as one gzip member of many small blocks.
+/// Repacks a log as one gzip member of many small blocks.
 void pack_at_once(const std::filesystem::path& from, const std::filesystem::path& to) {
   const gzFile in = gzopen(from.c_str(), "rb");
   std::vector<unsigned char> bytes(1 << 20), packed(1 << 20);
@@ -131,7 +131,7 @@ void pack_at_once(const std::filesystem::path& from, const std::filesystem::path
   deflateEnd(&zlib);
 }
 
-/// What other recorders pack cannot be read but from its beginning: that is done once, in the background.
+/// Other recorders' logs can only be read from the beginning: that is done once, in the background.
 TEST_F(MatchMomentTest, OfALogInOnePieceIsFoundInLittleTime) {
   const auto whole = folder_.path() / "theirs.log.gz";
   pack_at_once(file(), whole);
@@ -151,7 +151,7 @@ TEST_F(MatchMomentTest, OfAVeryLongLogIsNotOutOfReach) {
   const auto whole = folder_.path() / "theirs.log.gz";
   pack_at_once(file(), whole);
   MatchLogIndex index = make_match_log_index(whole);
-  index.unpacked_bytes = std::uint64_t{1} << 40U;  // as if much more followed
+  index.unpacked_bytes = std::uint64_t{1} << 40U;  // as if far more data followed
   MatchMoments moments(whole, std::make_shared<const MatchLogIndex>(index), 12'000);
   moments.wait();
   for (const double at_s : {3.3, 10.0, 19.95}) EXPECT_TRUE(moments.at(at_s)) << at_s;
@@ -159,7 +159,7 @@ TEST_F(MatchMomentTest, OfAVeryLongLogIsNotOutOfReach) {
 
 TEST_F(MatchMomentTest, ThatIsTooFarFromAnyPlaceIsRefused) {
   const auto plain = folder_.path() / "plain.log.gz";
-  // Stored, not packed: one block, in which no reading may begin.
+  // Stored, not compressed: one block, inside which reading cannot begin.
   {
     const gzFile in = gzopen(file().c_str(), "rb"), out = gzopen(plain.c_str(), "wb0");
     std::vector<char> bytes(1 << 20);
@@ -213,4 +213,4 @@ TEST(DetectionsJson, OfWhatIsNoPacketIsNone) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::match_moment_test

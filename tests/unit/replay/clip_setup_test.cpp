@@ -9,7 +9,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::clip_setup_test {
 namespace {
 
 using testing::AllOf;
@@ -35,7 +35,7 @@ void expect_same(const Mask& a, const Mask& b) {
   }
 }
 
-/// Whatever stages are given.
+/// Compares everything that stages get.
 void expect_same(const CameraSetup& a, const CameraSetup& b) {
   EXPECT_EQ(a.pipeline->stack(), b.pipeline->stack());
   const CameraContext &one = a.context, &other = b.context;
@@ -198,4 +198,4 @@ TEST(OtherSetups, KeepTheHeightThatTheGameControllerTold) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::clip_setup_test

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::compare_clip_test {
 namespace {
 
 Robot robot_at(Team team, int id, double x_mm, double y_mm, double angle_rad = 0) {
@@ -74,7 +74,7 @@ TEST(ClipComparisons, TellAnotherId) {
   EXPECT_EQ(json["kind"], "id_changed");
   EXPECT_EQ(json["id"], 5);
   EXPECT_EQ(json["id_before"], 3);
-  // A robot of the other team is another one.
+  // A robot of the other team is a different robot.
   EXPECT_EQ(only_difference(packet_of({robot_at(Team::kBlue, 3, 0, 0)}),
                             packet_of({robot_at(Team::kYellow, 3, 0, 0)}))["robots"]["lost"],
             1);
@@ -95,4 +95,4 @@ TEST(ClipComparisons, TakeWhatIsNoPacketForAnEmptyOne) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::compare_clip_test

@@ -15,7 +15,7 @@
 #include <gmock/gmock.h>
 #include <zlib.h>
 
-namespace sslv {
+namespace sslv::export_clip_test {
 namespace {
 
 using testing::AllOf;
@@ -41,7 +41,7 @@ struct ReadPng {
   }
 };
 
-/// What png_file() writes, by the specification; every checksum is looked at.
+/// Reads what png_file() writes, by the PNG specification, and checks every checksum.
 ReadPng read_png(const std::vector<std::uint8_t>& file) {
   ReadPng out;
   std::vector<std::uint8_t> packed;
@@ -95,7 +95,7 @@ TEST(PngFile, KeepsEveryPixel) {
 
 class ExportClip : public testing::Test {
  protected:
-  /// A short clip, of which the first frame has number 6.
+  /// A short clip whose first frame has number 6.
   std::filesystem::path clip(const Json& settings, double seconds = 0.1) {
     LiveRun live(settings);
     live.run(0.1);
@@ -122,7 +122,7 @@ TEST_F(ExportClip, WritesFramesAndWhatWasFound) {
   EXPECT_EQ(png.width, 390u);
   EXPECT_EQ(png.height, 290u);
 
-  // As a truth file it is what annotate drafts, and agrees with itself.
+  // The file has the form of annotate's drafts, and scores perfectly against itself.
   const std::vector<Json> truth = read_truth(folder / "truth.jsonl");
   ASSERT_EQ(truth.size(), 6u);
   EXPECT_EQ(truth[0]["frame"], "frame_000006");
@@ -145,7 +145,7 @@ TEST_F(ExportClip, WritesFramesAndWhatWasFound) {
         EXPECT_LE(box[1], thing["pixel_y"].get<double>() + 0.5);
         EXPECT_GE(box[0] + box[2], thing["pixel_x"].get<double>() + 0.5);
         EXPECT_GE(box[1] + box[3], thing["pixel_y"].get<double>() + 0.5);
-        // 180 mm and 43 mm, some .116 px each; robots lean away from the camera's middle.
+        // Robots are 180 mm wide and balls 43 mm, at 0.116 px/mm; robots lean away from the image's centre.
         const bool is_ball = std::string(kind) == "balls";
         EXPECT_GT(box[2], is_ball ? 2 : 9);
         EXPECT_LT(box[2], is_ball ? 8 : 34);
@@ -173,7 +173,7 @@ TEST_F(ExportClip, WritesTheCamerasBytes) {
 TEST_F(ExportClip, ShowsOnlyTheFieldWhenItIsAnonymous) {
   for (const char* format : {"uyvy", "yuyv", "bgr24"}) {
     Json settings = live_settings(format);
-    // A field so small that the camera sees around it.
+    // The field is small: the camera sees its surroundings, too.
     settings["field"] = {{"field_length", 3000}, {"field_width", 2000}, {"boundary_width", 1000}};
     for (Json& camera : settings["cameras"])
       camera["source"].update(Json{{"robots_yellow", 1}, {"robots_blue", 1}, {"distractors", 0}});
@@ -184,7 +184,7 @@ TEST_F(ExportClip, ShowsOnlyTheFieldWhenItIsAnonymous) {
     export_clip(reader, options);
     const ReadPng png = read_png(bytes_in(options.folder / "camera_0" / "frame_000006.png"));
     const CameraModel camera = *make_context(read_config(settings), 0).scene->camera;
-    constexpr double kMarginMm = 300, kCellMm = 250;  // shown are whole cells of 16 px
+    constexpr double kMarginMm = 300, kCellMm = 250;  // whole cells of 16 px are shown
     int black = 0, shown = 0;
     for (std::uint32_t y = 0; y < png.height; y += 3) {
       for (std::uint32_t x = 0; x < png.width; x += 3) {
@@ -231,4 +231,4 @@ TEST_F(ExportClip, IsNotAnonymousWithoutACalibration) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::export_clip_test

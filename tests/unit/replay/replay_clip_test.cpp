@@ -13,7 +13,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::replay_clip_test {
 namespace {
 
 using testing::ElementsAre;
@@ -21,7 +21,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::ThrowsMessage;
 
-/// Replays all cameras; how many packets are the live ones.
+/// Replays all cameras and returns how many packets equal the live ones.
 std::size_t expect_all_exact(const std::filesystem::path& file) {
   std::size_t same = 0;
   ClipReader clip(file);
@@ -55,7 +55,7 @@ Json with_plain_stages(Json settings) {
   return settings;
 }
 
-/// Everything that may change while a clip lasts, in as many seconds.
+/// Makes every change that a clip can contain, within `seconds`.
 void run_with_changes(LiveRun& live, const Json& settings, double seconds) {
   const double part_s = seconds / 5;
   live.run(part_s);
@@ -82,14 +82,14 @@ TEST(Replay, GivesTheLivePacketsByteForByte) {
   EXPECT_GT(live.balls(), 20u);
   EXPECT_EQ(expect_all_exact(folder.file("whole")), 240u);
 
-  // And from the middle of a run, which the stages remember.
+  // A clip from the middle of a run: the stages remember earlier frames.
   live.begin_clip(folder.file("middle"));
   run_with_changes(live, settings, 1);
   live.end_clip();
   EXPECT_EQ(expect_all_exact(folder.file("middle")), 120u);
 }
 
-/// A minute, in clips that each begin in the middle of the run.
+/// One minute, in clips that begin in the middle of the run.
 TEST(Replay, GivesTheLivePacketsOfAMinute) {
   constexpr int kClips = 12;
   const test::TemporaryFolder folder;
@@ -185,7 +185,7 @@ TEST(Replay, MayHaveOtherSettings) {
   EXPECT_EQ(frames, 18u);
 }
 
-/// Drawn frames of one camera, in motion.
+/// Simulated frames of one camera, in motion.
 struct DrawnFrames {
   explicit DrawnFrames(const char* format, int count, double rate_hz = 60)
       : config(read_config(live_settings(format))) {
@@ -215,7 +215,7 @@ struct FoundSink : DetectionSink {
   void publish(const FrameInfo&, const Scene&, const RobotList&, const BallList&) noexcept override {}
 };
 
-/// A pipeline of the default stack and what it needs.
+/// The default stack's pipeline and its inputs.
 struct Detector {
   explicit Detector(const Config& config) {
     const CameraSettings& camera = config.cameras[0];
@@ -268,7 +268,7 @@ TEST_P(ReplayOnTarget, FindsTheSame) {
       }
       ASSERT_EQ(frame.robots.robots.size(), robots[at].robots.size()) << here;
       for (std::size_t k = 0; k < frame.robots.robots.size(); ++k) {
-        // Of equal confidence they may come in another order.
+        // Robots of equal confidence may come in another order.
         const Robot& b = frame.robots.robots[k];
         const auto a = std::ranges::find_if(
             robots[at].robots, [&](const Robot& robot) { return robot.team == b.team && robot.id == b.id; });
@@ -312,7 +312,7 @@ TEST(PipelineMemory, OfAnyBytesIsTakenOrRefusedAndDoesNoHarm) {
     std::vector<std::byte> bytes = saved;
     switch (variant % 4) {
       case 0: bytes[below(bytes.size())] ^= static_cast<std::byte>(1U << random() % 8); break;
-      case 1:  // numbers of any size, as far as they are some
+      case 1:  // 20 random 8-byte values
         for (int i = 0; i < 20; ++i) {
           const std::size_t at = below(bytes.size() / 8) * 8;
           for (std::size_t k = 0; k < 8 && at + k < bytes.size(); ++k)
@@ -332,7 +332,7 @@ TEST(PipelineMemory, OfAnyBytesIsTakenOrRefusedAndDoesNoHarm) {
   EXPECT_GT(taken, kVariants / 20);
   EXPECT_LT(taken, kVariants);
 
-  // Afterwards the right memory is understood.
+  // A valid memory is still restored afterwards.
   EXPECT_THAT(detector.setup.pipeline->restore(saved), IsEmpty());
   const RobotList expected = learned.process(drawn, kLearn).robots;
   const RobotList& found = detector.process(drawn, kLearn).robots;
@@ -342,4 +342,4 @@ TEST(PipelineMemory, OfAnyBytesIsTakenOrRefusedAndDoesNoHarm) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::replay_clip_test

@@ -34,7 +34,7 @@
 #include <gtest/gtest.h>
 #include <httplib.h>
 
-namespace sslv {
+namespace sslv::api_test {
 namespace {
 
 using testing::AllOf;
@@ -99,7 +99,7 @@ class Api : public testing::Test {
              {"tz", 4000},
              {"pixel_image_width", 320},
              {"pixel_image_height", 240}}},
-           // So few images that a calibration of a hundred goes on for longer than any request takes.
+           // So slow that a calibration of a hundred images outlasts every request.
            {"source", {{"backend", "simulator"}, {"width", 320}, {"height", 240}, {"frame_rate_hz", 2}}}}}}};
     std::ofstream(folder_.path() / "settings.json") << settings;
     daemon_.emplace(
@@ -120,13 +120,13 @@ class Api : public testing::Test {
     return {result->status, result->body, result->headers};
   }
 
-  /// Once the camera has delivered.
+  /// Waits for the camera's first image.
   void wait_for_frame() {
     ASSERT_TRUE(test::becomes([&] { return ask("GET", "/api/cameras/0/snapshot.jpg").status != 503; }));
   }
 
   const test::TemporaryFolder folder_;
-  const GroupListener group_;  // so that no other program has its port
+  const GroupListener group_;  // reserves its port
   std::optional<Daemon> daemon_;
 };
 
@@ -157,7 +157,7 @@ TEST_F(Api, OpenApiNamesEveryRouteAndNoOther) {
     EXPECT_TRUE(documented.contains(&route)) << route.method << " " << route.pattern << " is not documented";
 }
 
-/// Routes by what they ask for, so that a new one cannot be open by mistake.
+/// Routes by what they require, so that a new one cannot be open by mistake.
 TEST_F(Api, EveryRouteAsksForWhatItNeeds) {
   const auto cookie_of = [](const Reply& reply) {
     EXPECT_EQ(reply.status, 200) << reply.body;
@@ -224,7 +224,7 @@ TEST_F(Api, PacketsAreThoseThatCameBackFromTheNetwork) {
   EXPECT_EQ(packets["geometry"].at("packet").at("geometry").at("calib").size(), 1U);
   const Json listeners = ask("GET", "/api/network/listeners").json();
   EXPECT_EQ(listeners.at("group"), GroupListener::kGroup);
-  EXPECT_EQ(listeners.at("programs"), Json::array());  // none but the service itself
+  EXPECT_EQ(listeners.at("programs"), Json::array());  // only the service itself listens
   EXPECT_EQ(listeners.at("memberships").at(0).at("interface"), "lo");
 }
 
@@ -350,7 +350,7 @@ TEST_F(Api, SnapshotsAreJpegsOfTheCameraOrItsLabels) {
   EXPECT_EQ(ask("GET", "/api/cameras/1/snapshot.jpg").status, 404);
 }
 
-/// A camera's path in its settings, or another place, as an address has it.
+/// A camera's path in its settings, or another one, encoded for a URL query.
 std::string query_of(const std::filesystem::path& path) {
   return httplib::detail::encode_query_param(path.string());
 }
@@ -447,7 +447,7 @@ TEST_F(Api, ImagesAreUploadedWithinBounds) {
   EXPECT_EQ(upload("hall 1", "b.jpg", std::string(17 * 1024 * 1024, 'x')).status, 413);
   EXPECT_EQ(ask("GET", "/api/images").json()["folders"], folders) << "nothing was added";
 
-  // A camera shows them, and then they stay.
+  // Images that a camera uses cannot be removed.
   const Json add = {{{"op", "add"},
                      {"path", "/cameras/-"},
                      {"value", {{"id", 1}, {"source", {{"backend", "files"}, {"path", path}}}}}}};
@@ -513,7 +513,8 @@ TEST_F(Api, ASupportBundleSaysWhatIsInIt) {
 
 TEST_F(Api, WhatAnOldCameraWasIsNotWhatANewOneIs) {
   wait_for_frame();
-  // Taken out and put in again: the daemon does not wait for the old one, and the new one delivers.
+  // The camera is removed and added again: the daemon does not wait for the old one, and the new one
+  // delivers.
   const Json source = ask("GET", "/api/settings").json()["settings"]["cameras"][0];
   EXPECT_EQ(ask("PATCH", "/api/settings", R"([{"op":"remove","path":"/cameras/0"}])").status, 200);
   EXPECT_EQ(ask("GET", "/api/cameras").body, "[]");
@@ -523,7 +524,7 @@ TEST_F(Api, WhatAnOldCameraWasIsNotWhatANewOneIs) {
   wait_for_frame();
 }
 
-/// What hears the network must end before what it tells.
+/// Listeners on the network must stop before the services that they notify.
 TEST(AStartThatFails, LeavesNobodyWhoTellsServicesThatAreGone) {
   const GroupListener group;
   const test::TemporaryFolder folder;
@@ -554,4 +555,4 @@ TEST(AStartThatFails, LeavesNobodyWhoTellsServicesThatAreGone) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::api_test

@@ -11,7 +11,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::bounded_patch_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -53,7 +53,7 @@ TEST(BoundedPatch, SaysWhatDoesNotFit) {
 }
 
 TEST(BoundedPatch, CopiesThatDoubleEndBeforeMemoryDoes) {
-  // 900 bytes, and more than 10 GB were it applied.
+  // A patch of 900 bytes that would grow to more than 10 GB.
   Json patch = Json::array({op("add", "/x", Json::array())});
   for (int i = 0; i < 40; ++i) patch.push_back(copy("", "/x/-"));
   Json settings{{"cameras", std::string(2000, 'c')}};
@@ -74,7 +74,7 @@ TEST(BoundedPatch, ManyOperationsAreBounded) {
   const Json settings{{"big", Json(std::vector<int>(100'000, 1))}};
   EXPECT_THAT(refusal_of(settings, Json(std::vector<Json>(30'000, op("test", "/big/0", 1)))),
               HasSubstr("more operations than 20000"));
-  // Each moves all of a long list, or compares it.
+  // Each operation moves or compares all of a long list.
   EXPECT_THAT(refusal_of(settings, Json(std::vector<Json>(20'000, op("add", "/big/0", 1)))),
               HasSubstr("more to do than"));
   EXPECT_THAT(refusal_of(settings, Json(std::vector<Json>(
@@ -90,7 +90,7 @@ TEST(BoundedPatch, WhatIsReplacedAgainAndAgainDoesNotGrow) {
 }
 
 TEST(BoundedPatch, ManyKeysAreLookedThroughOnlySoOften) {
-  // Objects keep the order of their keys, so that each is found by looking through those before it.
+  // Objects keep the order of their keys, so a lookup compares all earlier keys.
   Json wide = Json::object();
   for (int i = 0; i < 5000; ++i) wide.push_back({"key" + std::to_string(i), 0});
   const Json test = op("test", "/wide/key4999", 0);
@@ -127,7 +127,7 @@ TEST(BoundedPatch, WhatAnOperationDoesNotUseIsIgnored) {
   EXPECT_EQ(apply_patch({{"a", 1}}, Json::array({add})), Json({{"a", 1}, {"b", 1}}));
 }
 
-/// Makes small documents and patches that mostly fit them.
+/// Generates small documents, and patches that mostly fit them.
 class Chance {
  public:
   explicit Chance(unsigned seed) : random_(seed) {}
@@ -152,7 +152,7 @@ class Chance {
     }
   }
 
-  /// Of something that is there, or nearly.
+  /// A path to a value that exists, or nearly exists.
   std::string path(const Json& document) {
     std::string out;
     const Json* at = &document;
@@ -216,7 +216,7 @@ TEST(BoundedPatch, IsThatOfTheLibraryForWhateverFits) {
     try {
       got = apply_patch(document, patch);
     } catch (const SettingsError& error) {
-      // Where the library has an assertion, or does nothing.
+      // The library has an assertion here, or does nothing.
       if (std::string(error.what()).find("not in a list or an object") != std::string::npos) continue;
     }
     try {
@@ -230,4 +230,4 @@ TEST(BoundedPatch, IsThatOfTheLibraryForWhateverFits) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::bounded_patch_test

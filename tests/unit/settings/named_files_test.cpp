@@ -11,7 +11,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::named_files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -80,4 +80,4 @@ TEST_F(CheckNamedFiles, LeavesWhatIsThereAlready) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::named_files_test

@@ -14,7 +14,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-namespace sslv {
+namespace sslv::passwords_test {
 namespace {
 
 using test::TemporaryFolder;
@@ -158,4 +158,4 @@ TEST(Role, HasAName) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::passwords_test

@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
-namespace sslv {
+namespace sslv::profiles_test {
 namespace {
 
 using testing::AllOf;
@@ -108,7 +108,7 @@ TEST_F(ProfilesTest, NoMoreThanSoMany) {
 TEST_F(ProfilesTest, WhatCannotBeSavedChangesNothing) {
   Profiles profiles(state_);
   profiles.save({"night", 1, "Mia", Json::object()});
-  std::filesystem::create_directories(file_.string() + ".new");  // where the new file would be written
+  std::filesystem::create_directories(file_.string() + ".new");  // blocks writing the new file
   EXPECT_THROW(profiles.save({"day", 1, "Mia", Json::object()}), StorageError);
   EXPECT_THROW(profiles.remove("night"), StorageError);
   EXPECT_THAT(names(profiles), ElementsAre("night"));
@@ -123,4 +123,4 @@ TEST_F(ProfilesTest, AFileThatCannotBeUsedIsSetAside) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::profiles_test

@@ -15,7 +15,7 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
-namespace sslv {
+namespace sslv::store_test {
 namespace {
 
 using ::testing::AllOf;
@@ -203,7 +203,7 @@ TEST_F(Store, TheHistorySaysWhoChangedWhat) {
     set(store, "a", 5);
     set(store, "b", 7);
   }
-  const Json history = open().history();  // it is saved too
+  const Json history = open().history();  // the history is saved, too
   ASSERT_EQ(history.size(), 2u);
   EXPECT_EQ(history[0]["revision"], 3);
   EXPECT_EQ(history[0]["who"], "Mia");
@@ -221,7 +221,7 @@ TEST_F(Store, AStepIsTakenBackAndLaterOnesStay) {
   EXPECT_EQ(store.current().revision, 4u);
   EXPECT_EQ(store.history()[0]["what"], "undo of revision 2");
   EXPECT_EQ(store.history()[0]["who"], "Tom");
-  // The undoing is a step like any other.
+  // An undo can be undone like any other step.
   EXPECT_EQ(undo(store, 4).settings, (Json{{"a", 5}, {"b", 7}}));
 }
 
@@ -272,7 +272,7 @@ TEST(SettingsHistory, ChangesMakeOneTreeOfAnotherAndBack) {
   for (const auto& [one, two] : trees) {
     const Json before = Json::parse(one), after = Json::parse(two);
     const Json changes = changes_between(before, after);
-    // Equal whatever the order of keys.
+    // Equal regardless of the order of keys.
     EXPECT_EQ(Json::diff(before.patch(forward_patch(changes)), after), Json::array()) << changes;
     EXPECT_EQ(Json::diff(after.patch(backward_patch(changes)), before), Json::array()) << changes;
   }
@@ -320,7 +320,7 @@ TEST_F(Store, ManySmallChangesMayBeOneStep) {
 
 TEST_F(Store, ReadsDoNotWaitForAnEdit) {
   SettingsStore store = open();
-  std::future<bool> read;  // by another thread, while the edit is made ready
+  std::future<bool> read;  // by another thread, while the edit is prepared
   bool was_read = false;
   store.patch(
       Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 5}}}), {"Mia"}, [&](const CheckedSettings&) {
@@ -391,7 +391,7 @@ TEST_F(Store, NothingThatWasSetAsideIsOverwritten) {
 TEST_F(Store, WritesAgainOnceItCan) {
   auto store = open();
   set(store, "a", 5);
-  std::filesystem::create_directories(saved_.string() + ".new");  // where the new file would be written
+  std::filesystem::create_directories(saved_.string() + ".new");  // blocks writing the new file
   EXPECT_THAT(error_of<StorageError>([&] { set(store, "a", 6); }), HasSubstr(saved_.string()));
   EXPECT_THAT(folder_of_state_.write_problem(), HasSubstr(saved_.string()));
   EXPECT_EQ(store.current().settings["a"], 5);
@@ -453,7 +453,7 @@ TEST_F(Store, ReloadsTheAdminsFileBelowThePanelsChanges) {
   EXPECT_EQ(store.history()[0]["changes"][0]["path"], "/b");
   EXPECT_EQ(open().current().revision, 3u);
   EXPECT_EQ(open().current().settings, version.settings);
-  // A reload is a step like any other.
+  // A reload can be undone like any other step.
   EXPECT_EQ(undo(store, 3).settings, (Json{{"a", 5}, {"b", 2}}));
   EXPECT_EQ(open().current().settings, (Json{{"a", 5}, {"b", 2}}));
 }
@@ -464,7 +464,7 @@ TEST_F(Store, AReloadOfWhatIsInForceIsNoStep) {
   EXPECT_EQ(store.reload(must_not).revision, 1u);
   EXPECT_FALSE(std::filesystem::exists(saved_));
   set(store, "a", 5);
-  write(admin_file_, R"({"a": 5})");  // the admin has written down what the panel changed
+  write(admin_file_, R"({"a": 5})");  // the admin's file now has the panel's change
   EXPECT_EQ(store.reload(must_not).revision, 2u);
   EXPECT_EQ(store.history().size(), 1u);
   write(admin_file_, R"({"a": 6})");
@@ -492,7 +492,7 @@ TEST_F(Store, ARefusedReloadChangesNothingAndIsToldUntilAGoodOne) {
   EXPECT_THAT(store.reload_problem(), IsEmpty());
 }
 
-/// Any tree will do.
+/// Accepts any tree.
 CheckedSettings anything(const Json& settings) {
   return {settings};
 }
@@ -518,7 +518,7 @@ TEST_F(Store, ChangesOfACameraAreNotPutOntoAnother) {
             Json::parse(R"([{"id": 0, "x": 2}, {"id": 1, "x": 5}, {"id": 2, "x": 1}])"));
 }
 
-/// "a" was called "old_a" in version 1, and counted from 1 on in version 2.
+/// Version 1 called "a" "old_a"; version 2 counted it from 1.
 const Migrations kTwoMigrations{[](Json& tree) {
                                   if (!tree.is_object() || !tree.contains("old_a")) return;
                                   tree["a"] = tree["old_a"];
@@ -529,7 +529,7 @@ const Migrations kTwoMigrations{[](Json& tree) {
                                 }};
 
 TEST_F(Store, AnOlderFileIsBroughtUpToDate) {
-  write(admin_file_, R"({"old_a": 4})");  // from before versions were counted
+  write(admin_file_, R"({"old_a": 4})");  // from before versions existed
   EXPECT_EQ(open(kTwoMigrations).current().settings["a"], 3);
   write(admin_file_, R"({"version": 2, "a": 4})");
   EXPECT_EQ(open(kTwoMigrations).current().settings["a"], 3);
@@ -549,13 +549,13 @@ TEST_F(Store, ANewerFileIsRefused) {
   }
 }
 
-/// As a program of version 1 checks and completes.
+/// Checks and completes settings as a program of version 1 does.
 CheckedSettings check_version_1(const Json& settings) {
   return {Json{{"old_a", settings.value("old_a", 1)}, {"b", settings.value("b", 2)}}};
 }
 
 TEST_F(Store, OlderSavedChangesAreBroughtUpToDate) {
-  write(admin_file_, "{}");  // so that what is changed is in no file but theirs
+  write(admin_file_, "{}");  // so that only the saved file has the changes
   {
     SettingsStore store(admin_file_, folder_of_state_, check_version_1);
     set(store, "old_a", 8);
@@ -651,7 +651,7 @@ TEST_F(Store, IsReadWhileAnEditIsUnderWay) {
 }
 
 TEST_F(Store, AnEditMadeMeanwhileIsNotLost) {
-  // "b" is changed while "a" is under way: its patch may have been applied to the old tree already.
+  // "b" is changed during the edit of "a": its patch may already have been applied to the old tree.
   SettingsStore store = open();
   std::promise<void> reached, go_on;
   auto first = std::async(std::launch::async, [&] {
@@ -738,4 +738,4 @@ TEST(ExactPatch, MakesTheSameText) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::store_test

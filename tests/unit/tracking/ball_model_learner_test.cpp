@@ -9,10 +9,11 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::ball_model_learner_test {
 namespace {
 
-/// Seen by two cameras in turn, 75 times a second each, with a little noise that is the same in every run.
+/// The shot as two cameras see it alternately, 75 times a second each, with small noise that is the same in
+/// every run.
 WatchedKick watched(const BallShot& shot, const BallModel& truth, double seconds) {
   WatchedKick out;
   out.kick.number = 1;
@@ -96,7 +97,7 @@ TEST(BallModelLearner, IsNotMisledByABallThatMetSomething) {
     WatchedKick kick = watched(
         {.t_s = 100.0 + i, .place_mm = {-1000, 200.0 * i}, .velocity_mm_s = {3000.0 + 200 * i, 300, 0}},
         other_model(), 2.5);
-    if (i % 3 == 0) {  // turned away on its way
+    if (i % 3 == 0) {  // deflected on its way
       for (std::size_t p = kick.points.size() / 2; p < kick.points.size(); ++p)
         kick.points[p].place_mm.y() += 3.0 * static_cast<double>(p - kick.points.size() / 2);
     }
@@ -108,7 +109,7 @@ TEST(BallModelLearner, IsNotMisledByABallThatMetSomething) {
 
 TEST(BallModelLearner, SaysNothingOfWhatItHasNotSeen) {
   BallModelLearner learner;
-  for (int i = 0; i < 5; ++i) {  // it stops being seen long before it rolls
+  for (int i = 0; i < 5; ++i) {  // no longer seen, long before it rolls
     learner.learn(
         watched({.t_s = 100.0 + i, .place_mm = {0, 0}, .velocity_mm_s = {6000, 0, 0}}, other_model(), 0.3),
         BallModel{});
@@ -140,4 +141,4 @@ TEST(KickWatch, HandsOverWhatBecameOfAKickOfAWorld) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::ball_model_learner_test

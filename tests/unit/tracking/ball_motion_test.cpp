@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::ball_motion_test {
 namespace {
 
 TEST(BallMotion, SlidesThenRollsThenLies) {
@@ -23,7 +23,7 @@ TEST(BallMotion, SlidesThenRollsThenLies) {
   const FlatWay end = flat_way(speed, 100, model);
   EXPECT_NEAR(end.speed_mm_s, 0, 1e-9);
   EXPECT_NEAR(end.way_mm, flat_way(speed, 200, model).way_mm, 1e-6);
-  // The way is the integral of the speed.
+  // The distance is the integral of the speed.
   double way = 0;
   for (int i = 0; i < 2000; ++i) way += flat_way(speed, (i + 0.5) * 1e-3, model).speed_mm_s * 1e-3;
   EXPECT_NEAR(way, flat_way(speed, 2, model).way_mm, 0.1);
@@ -60,7 +60,7 @@ TEST(BallMotion, OneThatIsTurnedInTheAirFallsAsBefore) {
 
 class KickFit : public testing::Test {
  protected:
-  /// As two cameras see it, in turns.
+  /// The shot as two cameras see it alternately, with noise.
   std::vector<ShotPoint> seen(const BallShot& shot, int count) {
     std::vector<ShotPoint> out;
     for (int i = 0; i < count; ++i) {
@@ -95,14 +95,14 @@ TEST_F(KickFit, FindsAShotAlongTheFloor) {
 }
 
 TEST_F(KickFit, FindsABallInTheAirOfWhichNothingIsKnown) {
-  // One that came from a wall, and falls.
+  // It bounced off a wall, and falls.
   const BallShot shot{100, {500, -300}, {-1500, 900, 500}, 400};
   const auto points = seen(shot, 16);
   const auto flight = find_flight(points, model_);
   ASSERT_TRUE(flight);
   const BallState truth = shot.at(flight->t_s, model_);
   EXPECT_NEAR((flight->state.head<3>() - truth.place_mm).norm(), 0, 60);
-  // It goes on through its next hop.
+  // The flight continues after its next hop.
   BallFlight later = *flight;
   for (const ShotPoint& point : seen(shot, 80)) {
     if (point.t_s > later.t_s && !later.is_over) later.correct(point, model_);
@@ -147,4 +147,4 @@ TEST(BallShot, SaysWhenItLiesStill) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::ball_motion_test

@@ -7,12 +7,12 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::camera_agreement_test {
 namespace {
 
 using Eigen::Vector2d, Eigen::Vector3d;
 
-/// Two cameras over the halfway line, and robots that drive about where both see them.
+/// Two cameras above the halfway line, and robots that move where both see them.
 class TwoCameras : public testing::Test {
  protected:
   TwoCameras() {
@@ -23,7 +23,7 @@ class TwoCameras : public testing::Test {
     return {400 * std::sin(0.7 * t_s + robot), 1500 * std::sin(0.31 * t_s + 2 * robot)};
   }
 
-  /// Camera 1 sees all of it by `off` elsewhere, and says times that are `late_s` too late.
+  /// Camera 1 sees everything shifted by `off` (mm), and its times are `late_s` too late.
   void play(double seconds, const Vector2d& off, double late_s = 0) {
     const double until_s = t_s_ + seconds;
     for (; t_s_ < until_s; t_s_ += 0.01) {
@@ -35,7 +35,8 @@ class TwoCameras : public testing::Test {
       agreement_.follow(0.01);
     }
   }
-  /// What is left between the cameras, of a robot that one of them sees there and the other by `off` aside.
+  /// The remaining difference between two cameras, one of which sees a robot at `at` and the other at `at` +
+  /// `off`.
   double apart_mm(const Vector2d& at, const Vector2d& off) const {
     const auto left = [&](int camera, const Vector2d& seen) -> Vector2d {
       return seen - agreement_.error_of(camera, seen) - agreement_.height_error_of(camera, kRobot, seen, 140);
@@ -70,7 +71,7 @@ TEST_F(TwoCameras, ThatWereBumpedAreLearntAgain) {
 
 TEST_F(TwoCameras, ThatDriftAreFollowedHoweverLongTheyAgreed) {
   play(300, {0, 0});
-  const Vector2d drift(1.5, -1.5);  // too little to be a surprise
+  const Vector2d drift(1.5, -1.5);  // too small to be an outlier
   play(60, drift);
   EXPECT_LT(apart_mm({0, 0}, drift), 0.5);
 }
@@ -139,8 +140,8 @@ TEST_F(TwoCameras, NumbersOfRobotsHaveAnEnd) {
 
 TEST_F(TwoCameras, ARobotAsHighAsAnotherCameraHarmsNothing) {
   play(25, {2, -1});
-  // A camera hangs at 500 mm, and another one says that it sees a robot of that height: one that is new,
-  // because each image of those is compared.
+  // One camera hangs at 500 mm, and another one reports a robot of that height. The robot is new, because
+  // each image of a new one is compared.
   const RobotName high{Team::kBlue, 9};
   agreement_.set_camera(21, {0, 0, 500}, true);
   for (int i = 0; i < 4; ++i, t_s_ += 0.01) {
@@ -173,14 +174,14 @@ TEST_F(TwoCameras, AFilterThatIsNoNumberBeginsAgain) {
   agreement_.set_camera(1, {std::nan(""), 0, 4000});
   play(0.1, {2, -1});
   EXPECT_GT(agreement_.repaired(), 0U);
-  // As before every image.
+  // Positions are set before every image.
   agreement_.set_camera(0, {-2000, 0, 4000});
   agreement_.set_camera(1, {2000, 0, 4000});
   play(25, {2, -1});
   EXPECT_LT(apart_mm({0, 0}, {2, -1}), 0.3);
 }
 
-/// Cameras of this computer and of others, and robots that drive about where all of them see them.
+/// Cameras of this computer and of others, and robots that move where all of them see them.
 class ManyCameras : public testing::Test {
  protected:
   struct Camera {
@@ -188,7 +189,7 @@ class ManyCameras : public testing::Test {
     bool is_of_other_computer;
     Vector2d off_mm;
     double late_s = 0;
-    double swings_mm = 0;  // there and back, so that it surprises again and again
+    double swings_mm = 0;  // amplitude of a swing that causes outliers again and again
   };
   static constexpr RobotName kRobot{Team::kYellow, 4};
 
@@ -219,11 +220,11 @@ class ManyCameras : public testing::Test {
       agreement.follow(0.01);
     }
   }
-  /// What is taken off what a camera sees of a robot there, whatever its height is taken for.
+  /// The whole correction of a robot seen there, whatever its assumed height.
   static Vector2d taken_off(const CameraAgreement& agreement, int camera, const Vector2d& at = {0, 0}) {
     return agreement.error_of(camera, at) + agreement.height_error_of(camera, kRobot, at, 140);
   }
-  /// How far others move it, over the field that the camera sees.
+  /// The largest change of a camera's correction between two states, over the field that it sees.
   static double moved_mm(const CameraAgreement& with, const CameraAgreement& without, int camera) {
     double out = 0;
     for (const double x : {-900.0, 0.0, 900.0}) {
@@ -232,7 +233,7 @@ class ManyCameras : public testing::Test {
     }
     return out;
   }
-  /// What is left between two cameras.
+  /// The remaining difference between two cameras.
   static double apart_mm(const CameraAgreement& agreement, const Camera& a, const Camera& b) {
     return (a.off_mm - taken_off(agreement, a.id, a.off_mm) - b.off_mm + taken_off(agreement, b.id, b.off_mm))
         .norm();
@@ -265,7 +266,7 @@ TEST_F(ManyCameras, TwoOfOursAreNotMovedByOtherComputers) {
     }
   };
   for (const double off_mm : {6.0, 30.0, 100.0, 140.0}) expect_as_alone({{21, true, {off_mm, 0}}});
-  // Without rhyme or reason.
+  // Inconsistent in position and time.
   expect_as_alone({{21, true, {40, -20}, 3e-3, 60}, {22, true, {-70, 30}, -3e-3, 40}});
 }
 
@@ -360,4 +361,4 @@ TEST(Agreement, KeepsWhatAnotherComputersCameraSawApart) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::camera_agreement_test

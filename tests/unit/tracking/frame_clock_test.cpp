@@ -8,12 +8,12 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::frame_clock_test {
 namespace {
 
 constexpr double kPeriod_s = 1 / 75.0, kJitter_s = 0.2e-3;
 
-/// Largest error after the first second.
+/// Largest error after the first second, in s.
 double worst_error(FrameClock& clock, halls::Chance& chance, double from_s, int images,
                    double missing_share = 0) {
   double worst_s = 0;
@@ -63,4 +63,4 @@ TEST(FrameClock, StartsAgainWhereStampsJump) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::frame_clock_test

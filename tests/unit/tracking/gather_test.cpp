@@ -2,13 +2,13 @@
 #include "tracking/gather.h"
 
 #include "geometry/limits.h"
-#include "pipeline/senseless.h"
+#include "pipeline/validate.h"
 
 #include <limits>
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::gather_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -31,10 +31,10 @@ class Gathered : public testing::Test {
     arrived_.image.robots.push_back(
         {Team::kBlue, id, place_mm, 0.5, 140, Eigen::Matrix2d::Identity() * 0.01, 1e-3});
   }
-  /// Behind the door, as all that arrives.
+  /// Runs behind drop_invalid(), as for everything that arrives.
   void gather() {
     ArrivedSightings arrived = arrived_;
-    const Senseless dropped = drop_senseless(arrived.image);
+    const InvalidCounts dropped = drop_invalid(arrived.image);
     arrived.left_out = dropped.robots + dropped.balls;
     gather_.process({}, field_, clock_, arrived, out_, left_out_);
   }
@@ -74,7 +74,7 @@ TEST_F(Gathered, LeavesOutSightingsWithoutSense) {
   add_robot(9, {50'000, 0});
   add_robot(-1, {0, 0});
   add_robot(4000, {0, 0});
-  add_robot(7, {3000, 0});  // the first one has that id
+  add_robot(7, {3000, 0});  // the first robot has that id
   add_robot(10, {0, 0});
   arrived_.image.robots.back().orientation_rad = kNan;
   add_robot(11, {0, 0});
@@ -156,4 +156,4 @@ TEST_F(Gathered, LeavesOutACameraThatHangsNowhere) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::gather_test

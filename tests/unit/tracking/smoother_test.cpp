@@ -10,12 +10,12 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::smoother_test {
 namespace {
 
 constexpr double kLag_s = 0.25, kPeriod_s = 0.0125;
 
-/// One robot and one ball before one camera.
+/// One robot and one ball, seen by one camera.
 class OneOfEach : public testing::Test {
  protected:
   void see(double x_mm, bool shows_ball = true, bool shows_robot = true) {
@@ -100,12 +100,12 @@ TEST_F(OneOfEach, WentFromWhereItWasLastSeenToWhereItWasSeenAgain) {
 TEST_F(OneOfEach, ARobotThatWasCarriedAwayWasWhereItWasUntilThen) {
   int i = 0;
   for (; i < 80; ++i) see(0);
-  for (; i < 128; ++i) see(0, false, false);  // for longer than one is taken for hidden
+  for (; i < 128; ++i) see(0, false, false);  // for longer than a robot counts as hidden
   for (; i < 200; ++i) {
     see(3000, false);
     for (const TrackedRobot& robot : field_.robots) {
       if (robot.visibility < 0.9) continue;
-      const double then = (field_.t_s - 1e9) / kPeriod_s;  // images ago
+      const double then = (field_.t_s - 1e9) / kPeriod_s;  // in images since the start
       EXPECT_NEAR(robot.place_mm.x(), then < 127.5 ? 0 : 3000, 2) << then;
     }
   }
@@ -141,4 +141,4 @@ TEST_F(OneOfEach, BeginsAgainWhenTheClockIsSetBack) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::smoother_test

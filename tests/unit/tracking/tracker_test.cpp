@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::tracker_test {
 namespace {
 
 using worlds::Ours, worlds::Score, worlds::World, worlds::WorldOptions;
@@ -162,7 +162,7 @@ TEST(Tracker, TheBallThatIsPlayedComesFirst) {
   }
 }
 
-/// One robot before one camera.
+/// One robot, seen by one camera.
 class OneRobot : public testing::Test {
  protected:
   void see(double x_mm) {
@@ -202,14 +202,14 @@ TEST_F(OneRobot, StaysOneAlthoughThreeCamerasSeeAnotherWithItsId) {
     }
     ASSERT_NEAR(now()->place_mm.x(), 1000, 1) << i;
   }
-  // Until it is gone, and only the other one is there.
+  // Then the first robot is gone, and only the other one is seen.
   for (int i = 0; i < 10; ++i) see(-2000);
   EXPECT_NEAR(now()->place_mm.x(), 1000, 1) << "it is hidden";
   for (int i = 0; i < 40; ++i) see(-2000);
   EXPECT_NEAR(now()->place_mm.x(), -2000, 1);
 }
 
-/// One robot before a camera of this computer and one of another.
+/// One robot, seen by a camera of this computer and by one of another computer.
 class RobotOfTwoComputers : public OneRobot {
  protected:
   void they_see(double x_mm) {
@@ -219,7 +219,7 @@ class RobotOfTwoComputers : public OneRobot {
     tracker_.add(theirs);
     t_s_ += 0.0125;
   }
-  /// While this computer's camera looks for it in vain.
+  /// The other computer sees it; this computer's camera does not.
   void only_they_see(double x_mm) {
     tracker_.look(0, t_s_);
     they_see(x_mm);
@@ -301,7 +301,7 @@ TEST_F(RobotOfTwoComputers, IsLeftToTheOtherOneWhenThisOnesCamerasAreGone) {
     they_see(1000);
     ASSERT_NEAR(x_mm(), 1000, 1) << i;
   }
-  for (int i = 0; i < 150; ++i) they_see(1000 + 25 * i);  // for two seconds, nobody knows who is right
+  for (int i = 0; i < 150; ++i) they_see(1000 + 25 * i);  // for two seconds, it is open which one is right
   for (int i = 150; i < 160; ++i) {
     they_see(1000 + 25 * i);
     EXPECT_NEAR(x_mm(), 1000 + 25 * (i + 1), 5) << i;
@@ -318,7 +318,7 @@ TEST_F(RobotOfTwoComputers, IsTakenBackWhenThisOnesCamerasWereHeldUpForLong) {
       see(1000);
       for (double passed_s = 0; passed_s < interval_s; passed_s += 0.0125) {
         they_see(-2000);
-        if (now()) {  // at first it begins again
+        if (now()) {  // at first the track restarts
           ASSERT_NEAR(x_mm(), 1000, 1) << interval_s << " " << image;
         }
       }
@@ -338,12 +338,12 @@ TEST_F(RobotOfTwoComputers, DrivesOnToWhereOnlyTheOtherOneSeesIt) {
     only_they_see(4200 + 20 * i + 20);  // calibrations differ
     ASSERT_NEAR(x_mm(), 4200 + 20 * (i + 1), 30) << i;
   }
-  // None of this one's cameras has seen it for a while: the other one may be right.
+  // This computer's cameras have not seen it for a while: the other one may be right.
   for (int i = 0; i < 20; ++i) only_they_see(-2000);
   EXPECT_NEAR(x_mm(), -2000, 1);
 }
 
-/// As fast and as sudden as any robot, with calibrations that differ.
+/// A robot's largest speed and acceleration, with calibrations that differ.
 TEST_F(RobotOfTwoComputers, IsNotLostWhenItTurnsRoundWhereOnlyTheOtherOneSeesIt) {
   for (const double acceleration_mm_s2 : {-6500.0, 6500.0}) {
     tracker_ = {};
@@ -383,7 +383,8 @@ TEST_F(OneRobot, MayBePutDownAtTheFieldsCentreAsAnywhere) {
   EXPECT_LE(missing, 6);
 }
 
-/// Before they are brought together, two cameras can see a new robot at places that no robot goes between.
+/// Before their difference is learnt, two cameras can see a new robot at positions that imply an impossible
+/// speed.
 TEST_F(OneRobot, DoesNotFlyOffWhereTwoCamerasDoNotAgree) {
   for (const double apart_mm : {8.0, 15.0, 20.0}) {
     tracker_ = {};
@@ -455,7 +456,7 @@ TEST(Track, GoesOnWhenTheClockIsSetBack) {
   EXPECT_NEAR(tracked.balls[0].place_mm.x(), 2000, 5);
 }
 
-/// A filter that is no number stays none, whatever comes: so it is not kept.
+/// A filter whose state is not finite never recovers: it is removed.
 TEST_F(OneRobot, IsSeenAgainAfterWhatNoFilterStands) {
   const double nan = std::nan(""), huge = 1e308;
   const std::vector<std::function<void(RobotObservation&)>> spoils{
@@ -530,4 +531,4 @@ TEST_F(OneRobot, IsTakenToItsNewPlaceOnceItStaysThere) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::tracker_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::ball_memory_test {
 namespace {
 
 constexpr double kFrameS = 1.0 / 60;
@@ -15,7 +15,7 @@ BallMemory::Known see(BallMemory& memory, double x_mm, double y_mm, double outsi
   return memory.see(x_mm, y_mm, outside_mm, kOrange, true);
 }
 
-/// Balls at other places in each picture, as they are in play.
+/// Balls at other places in each image, as in play.
 void let_balls_move(BallMemory& memory, int picture) {
   memory.see(-3000 + 400 * picture, 1000, -1000, kOrange, true);
   memory.see(-3000 + 400 * picture, -1000, -1000, kOrange, true);
@@ -29,7 +29,7 @@ TEST(BallMemory, WhatStandsOffTheFieldIsFurniture) {
     if (!see(memory, 3000 + i % 3, 200 - i % 2, 150).as_furniture) ++reported;
   }
   EXPECT_LE(reported, 3);
-  // Seen now and then only, as the light has it.
+  // Then it is found only sometimes, depending on the light.
   memory.begin(30);
   EXPECT_TRUE(see(memory, 3001, 200, 150).as_furniture);
   memory.begin(200);
@@ -43,7 +43,7 @@ TEST(BallMemory, TellsWhatRestsFromWhatMoves) {
     EXPECT_EQ(see(memory, i % 3, 200, -1000).at_rest, i > 0) << i;
     EXPECT_FALSE(see(memory, 500 + 30 * i, -900, -1000).at_rest) << i;
   }
-  // Twice in one picture is no rest.
+  // Two balls in one image are not one at rest.
   memory.begin(20);
   EXPECT_FALSE(see(memory, 2000, 0, -1000).at_rest);
   EXPECT_FALSE(see(memory, 2001, 0, -1000).at_rest);
@@ -102,7 +102,7 @@ TEST(BallMemory, WhatNeverMovedAndHasAnotherHueIsNoBall) {
   }
   EXPECT_LE(tape, 4);
   EXPECT_EQ(tape, dimmer_tape);
-  // Hidden for long it lies there still.
+  // It is remembered even when hidden for long.
   memory.begin(1000);
   EXPECT_TRUE(memory.see(0, 200, -100, kRed, true).has_other_hue);
 }
@@ -142,4 +142,4 @@ TEST(BallMemory, ManyThingsAreBounded) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::ball_memory_test

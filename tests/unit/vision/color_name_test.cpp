@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::color_name_test {
 namespace {
 
 using Color = std::array<double, 3>;
@@ -22,7 +22,7 @@ constexpr Color kTop{24, 24, 27};
 
 class ColorNames : public ::testing::Test {
  protected:
-  /// A print in some light, on a robot's black top.
+  /// Names a print's colour in some light, on a robot's black top.
   ColorName name(Rgb print, double light, std::span<const Label> allowed) {
     const Color color{print.r * light, print.g * light, print.b * light};
     return name_color({color[0] - kTop[0] * light, color[1] - kTop[1] * light, color[2] - kTop[2] * light},
@@ -83,7 +83,7 @@ TEST_F(ColorNames, TheMarginFallsFromOneColourToTheOther) {
   for (const double share : {0.0, 0.1, 0.2, 0.3, 0.4, 0.49}) {
     Color mixed;
     for (std::size_t c = 0; c < 3; ++c) mixed[c] = 200 * (pink[c] + share * (green[c] - pink[c]));
-    // A colour that is not in the table, so that only shares count.
+    // The table does not know this grey, so only shares count.
     const ColorName found = name_color(mixed, {128, 128, 128}, drawn_.lut(), kSides);
     EXPECT_EQ(found.color, label::kPink);
     EXPECT_LT(found.margin, last);
@@ -129,4 +129,4 @@ TEST_F(ColorNames, WhatIsNoColourIsSurvived) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::color_name_test

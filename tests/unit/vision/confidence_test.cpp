@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::confidence_test {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity(),
@@ -28,7 +28,7 @@ BallEvidence good_ball() {
   return e;
 }
 
-/// Confidence never rises (or never falls) while one number of the evidence grows.
+/// Confidence never falls (or, if not `rises`, never rises) while one number of the evidence grows.
 template <class Evidence>
 void expect_monotone(const Evidence& good, double Evidence::*field, const std::vector<double>& values,
                      bool rises, const std::string& what) {
@@ -107,7 +107,7 @@ TEST(Confidence, IsANumberWhateverTheEvidence) {
       EXPECT_TRUE(confidence >= 0 && confidence <= 1) << confidence << " of " << value;
     }
   }
-  // Nothing at all speaks for nothing.
+  // Without any evidence, confidence is not full.
   EXPECT_LT(confidence_of(RobotEvidence{}), 1);
   EXPECT_LT(confidence_of(BallEvidence{}), 0.95);
 }
@@ -122,4 +122,4 @@ TEST(Confidence, NotANumberSpeaksForNothing) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::confidence_test

@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::cut_off_test {
 namespace {
 
-/// A region by its box, as large as that.
+/// A region that fills this box.
 Region box(int left, int top, int right, int bottom) {
   Region region{};
   region.left = static_cast<std::uint16_t>(left);
@@ -25,7 +25,7 @@ ImageView picture(PixelFormat format) {
   view.height = 80;
   return view;
 }
-/// Nothing but pixels 20..59 of rows 10..49 is looked at.
+/// Shows only pixels 20..59 of rows 10..49.
 Mask window() {
   MaskSettings settings;
   settings.include = {{{{20, 10}, {60, 10}, {60, 50}, {20, 50}}}};
@@ -48,7 +48,7 @@ TEST(CutOff, IsWhatTouchesTheMask) {
     EXPECT_TRUE(is_cut_off(box(30, 10, 40, 20), image, mask));
     EXPECT_TRUE(is_cut_off(box(30, 40, 40, 49), image, mask));
     EXPECT_TRUE(is_cut_off(box(20, 10, 59, 49), image, mask));
-    // One pixel is a region, too.
+    // A region of one pixel.
     EXPECT_TRUE(is_cut_off(box(20, 30, 20, 30), image, mask));
     EXPECT_FALSE(is_cut_off(box(21, 30, 21, 30), image, mask));
   }
@@ -75,7 +75,7 @@ TEST(CutOff, NotByThePicturesOwnEdge) {
 }
 
 TEST(CutOff, NotByWhatOnlyTheCornersOfItsBoxReach) {
-  // A corner of 10 pixels each way: a disc of radius 10 around (17, 17) does not touch it, its box does.
+  // Hides a corner of 10 x 10 px: a disc of radius 10 around (17, 17) does not touch it, but its box does.
   const Mask corner = without({{{0, 0}, {9.5, 0}, {9.5, 9.5}, {0, 9.5}}});
   const ImageView image = picture(PixelFormat::kRgb24);
   EXPECT_FALSE(is_cut_off(box(8, 8, 26, 26), image, corner));
@@ -83,4 +83,4 @@ TEST(CutOff, NotByWhatOnlyTheCornersOfItsBoxReach) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::cut_off_test

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Balls in drawn pictures. Each test is a way in which vision systems in use have failed.
+// Balls in drawn images. Each test covers a failure of vision systems in use.
 #include "vision/detect_balls.h"
 
 #include "support/allocation_count.h"
@@ -15,7 +15,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::detect_balls_test {
 namespace {
 
 using ::testing::IsEmpty;
@@ -26,7 +26,7 @@ constexpr double kBallMm = 21.5;
 const std::array kColorFormats{PixelFormat::kUyvy, PixelFormat::kRgb24, PixelFormat::kBayerRg8};
 using Shape = SimulatedDistractor::Shape;
 
-/// Each ball that was found is one of the scene's.
+/// Each ball found is near one of the scene's.
 void expect_true(const std::vector<Ball>& found, const DrawnScene& drawn, double within_mm) {
   const auto& balls = drawn.things().balls;
   for (const Ball& ball : found) {
@@ -38,7 +38,7 @@ void expect_true(const std::vector<Ball>& found, const DrawnScene& drawn, double
   }
 }
 
-/// Each ball of the scene is found once, this near, and nothing else.
+/// Each ball of the scene is found once, within this distance, and nothing else is found.
 void expect_all(const std::vector<Ball>& found, const DrawnScene& drawn, double within_mm) {
   EXPECT_EQ(found.size(), drawn.things().balls.size());
   expect_true(found, drawn, within_mm);
@@ -50,7 +50,7 @@ void expect_all(const std::vector<Ball>& found, const DrawnScene& drawn, double 
   }
 }
 
-/// No ball is reported, and the picture has a region of orange, so that something was looked at.
+/// No ball is reported, although the image has an orange region.
 void expect_no_ball(DrawnScene& drawn, const std::string& what) {
   EXPECT_FALSE(drawn.regions().of(label::kOrange).empty())
       << what << ": the picture is not as the test needs it";
@@ -59,11 +59,11 @@ void expect_no_ball(DrawnScene& drawn, const std::string& what) {
                   << ball.confidence;
 }
 
-// ---- where a ball is
+// ---- positions of balls
 
 class DetectBallsIn : public ::testing::TestWithParam<PixelFormat> {};
 
-/// Ten balls between the lines, another ten each round.
+/// Ten balls between the lines, in each round at other places.
 void scatter_balls(DrawnScene& drawn, std::mt19937& random, int round) {
   std::uniform_real_distribution<double> off(-40, 40);
   drawn.clear();
@@ -79,7 +79,7 @@ TEST_P(DetectBallsIn, OnFreeCarpet) {
   for (int round = 0; round < 6; ++round) {
     scatter_balls(drawn, random, round);
     SCOPED_TRACE(round);
-    // Red and blue samples of Bayer pictures are two pixels apart: seven each on a ball.
+    // Red and blue samples of Bayer images are two pixels apart: seven each on a ball.
     expect_all(drawn.balls().balls, drawn, is_bayer(GetParam()) ? 0.8 : 0.4);
   }
 }
@@ -105,7 +105,7 @@ TEST_P(DetectBallsIn, OnFreeCarpetOnAverage) {
 
 TEST_P(DetectBallsIn, OfLessThanTwoCells) {
   std::mt19937 random(3);
-  // 0.08 pixels to a millimetre. Of Bayer quads, that is half.
+  // 0.08 px/mm; half of that in Bayer quads.
   DrawnScene drawn(plain_options(GetParam(), 4), wide_camera(2.08));
   drawn.use_single_cells();
   for (int round = 0; round < 6; ++round) {
@@ -137,7 +137,7 @@ TEST_P(DetectBallsIn, APieceOfWhatTheMaskCutsIsNone) {
   drawn.add_ball(1500, -600);
   const auto cut_px = drawn.scene().camera->project({1000, 300, kBallMm});
   ASSERT_TRUE(cut_px);
-  // Its right half.
+  // Hides the right half of the first ball.
   const double x = cut_px->x(), y = cut_px->y();
   MaskSettings settings;
   settings.exclude = {{{{x, y - 40}, {x + 40, y - 40}, {x + 40, y + 40}, {x, y + 40}}}};
@@ -192,7 +192,7 @@ TEST_P(DetectBallsIn, BesideAndOverALine) {
     expect_true(found, drawn, is_bayer(GetParam()) ? 2 : 1.5);
     lost += drawn.things().balls.size() - found.size();
   }
-  // On a line a Bayer picture may leave too few samples that are ball or carpet.
+  // On a line, a Bayer image may have too few samples of ball or carpet.
   EXPECT_LE(lost, is_bayer(GetParam()) ? 1U : 0U) << "of 40";
 }
 
@@ -208,7 +208,7 @@ TEST_P(DetectBallsIn, WhereLinesCross) {
 }
 
 TEST_P(DetectBallsIn, AtARobotsFront) {
-  // Robots further from the camera's foot look inwards: else they would hide it.
+  // Robots farther from the point below the camera face inwards: otherwise they would hide the ball.
   DrawnScene drawn(plain_options(GetParam(), 4));
   const auto add = [&](int id, const Eigen::Vector2d& robot, double heading) {
     drawn.add_robot(id % 2 == 0 ? Team::kBlue : Team::kYellow, id, robot.x(), robot.y(), heading);
@@ -226,7 +226,7 @@ TEST_P(DetectBallsIn, AtARobotsFront) {
 }
 
 TEST_P(DetectBallsIn, HalfHiddenBehindARobot) {
-  // The edge of the robot's top is seen before the ball's middle.
+  // The ball's centre lies behind the edge of the robot's top.
   DrawnScene drawn(plain_options(GetParam(), 4));
   const Eigen::Vector3d eye = drawn.scene().camera->position_mm();
   for (int i = 0; i < 8; ++i) {
@@ -292,7 +292,7 @@ TEST_P(DetectBallsIn, AnotherRadius) {
 INSTANTIATE_TEST_SUITE_P(Formats, DetectBallsIn, ::testing::ValuesIn(kColorFormats),
                          [](const auto& param) { return std::string(name_of(param.param)); });
 
-// ---- what is no ball
+// ---- things that are not balls
 
 TEST(DetectBalls, APinkDotIsNone) {
   DrawnScene drawn(plain_options(PixelFormat::kUyvy, 4));
@@ -477,7 +477,7 @@ TEST(DetectBalls, BelowTheLeastConfidenceNoneIsReported) {
   }
 }
 
-// ---- no colour, no calibration, odd pictures
+// ---- no colour, no calibration, odd images
 
 TEST(DetectBalls, NothingWithoutACalibration) {
   DrawnScene drawn;
@@ -496,7 +496,7 @@ TEST(DetectBalls, NothingInAPictureWithoutColours) {
   EXPECT_THAT(out.balls, IsEmpty());
 }
 
-/// Balls whose centres lie `in_px` inside the picture, all round: right or not reported.
+/// Balls whose centres lie `in_px` inside the image's border, on all sides: found correctly or not at all.
 void expect_nothing_wrong_at_edge(double in_px, double within_mm) {
   for (const PixelFormat format : kColorFormats) {
     DrawnScene drawn(plain_options(format, 4));
@@ -540,7 +540,7 @@ TEST(DetectBalls, APictureOfAnotherSizeThanTheCalibrationsIsSurvived) {
   }
 }
 
-// As densely as they can be without being cut as a flood.
+// As dense as possible without being cut as a flood.
 TEST(DetectBalls, ThousandsOfOrangeBlobsEndAndAllocateNothing) {
   DrawnScene drawn;
   std::mt19937 random(1);
@@ -575,4 +575,4 @@ TEST(DetectBalls, ThousandsOfOrangeBlobsEndAndAllocateNothing) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::detect_balls_test

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Robots in drawn pictures. Each test is a way in which vision systems in use have failed.
+// Robots in drawn images. Each test covers a failure of vision systems in use.
 #include "vision/detect_robots.h"
 
 #include "support/allocation_count.h"
@@ -18,10 +18,10 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::detect_robots_test {
 namespace {
 
-/// Of things that are counted off in rows of so many.
+/// The row of item `i`, in rows of this many items.
 int row(int i, int in_a_row) {
   return i / in_a_row;
 }
@@ -48,7 +48,7 @@ const Robot* find(const std::vector<Robot>& robots, Team team, int id) {
   return found == robots.end() ? nullptr : &*found;
 }
 
-/// Whether what is reported is there.
+/// Whether the scene has this robot, within these tolerances.
 bool is_true(const Robot& robot, const DrawnScene& drawn, double within_mm, double within_rad) {
   const auto& all = drawn.things().robots;
   return std::any_of(all.begin(), all.end(), [&](const SimulatedRobot& r) {
@@ -67,7 +67,7 @@ void expect_nothing_wrong(const std::vector<Robot>& found, const DrawnScene& dra
   }
 }
 
-/// All robots of the scene and nothing else.
+/// All robots of the scene are found, and nothing else.
 void expect_all(const std::vector<Robot>& found, const DrawnScene& drawn, double within_mm,
                 double within_deg) {
   EXPECT_EQ(found.size(), drawn.things().robots.size());
@@ -79,7 +79,7 @@ void expect_all(const std::vector<Robot>& found, const DrawnScene& drawn, double
   }
 }
 
-/// A point of a robot's top, given in its own frame.
+/// A point of a robot's top: from the robot's own frame to the field's, in mm.
 Eigen::Vector2d on_top(const SimulatedRobot& robot, double ahead_mm, double left_mm) {
   const double c = std::cos(robot.orientation_rad), s = std::sin(robot.orientation_rad);
   return {robot.x_mm + c * ahead_mm - s * left_mm, robot.y_mm + s * ahead_mm + c * left_mm};
@@ -91,7 +91,7 @@ void cover_on_top(DrawnScene& drawn, const SimulatedRobot& robot, double ahead_m
   drawn.cover(at.x(), at.y(), robot.height_mm, radius_mm, color);
 }
 
-/// Every id of both teams, apart from each other, at random headings and not quite on a grid.
+/// Every id of both teams, apart from each other, at random headings and near a grid.
 void add_all_robots(DrawnScene& drawn, std::mt19937& random, int covered_dot = -1) {
   std::uniform_real_distribution<double> angle(-kPi, kPi), off(-60, 60);
   for (int i = 0; i < 32; ++i) {
@@ -101,7 +101,7 @@ void add_all_robots(DrawnScene& drawn, std::mt19937& random, int covered_dot = -
   }
 }
 
-/// The id whose code differs from this one's only at a dot.
+/// The id whose code differs from this one's only at `dot`; -1 if there is none.
 int twin_of(int id, std::size_t dot) {
   const auto& codes = league_patterns().codes;
   for (const auto& code : codes) {
@@ -115,7 +115,7 @@ int twin_of(int id, std::size_t dot) {
   return -1;
 }
 
-// ---- what is in plain sight
+// ---- fully visible robots
 
 class DetectRobotsIn : public ::testing::TestWithParam<PixelFormat> {};
 
@@ -134,7 +134,7 @@ TEST_P(DetectRobotsIn, EveryIdOfBothTeamsAtAnyHeading) {
 
 TEST_P(DetectRobotsIn, DotsOfTwoCells) {
   std::mt19937 random(5);
-  // 0.08 pixels to a millimetre. Of Bayer quads, that is half.
+  // 0.08 px/mm; half of that in Bayer quads.
   DrawnScene drawn(plain_options(GetParam(), 4), wide_camera(2.08));
   drawn.use_single_cells();
   for (int round = 0; round < 4; ++round) {
@@ -213,7 +213,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, DetectRobotsIn, ::testing::ValuesIn(kColorForm
                          [](const auto& param) { return std::string(name_of(param.param)); });
 
 TEST(DetectRobots, ACrowdOfTouchingRobotsSharesNoDots) {
-  // As tight as round things can stand: dots of one robot are often as far apart as those of two.
+  // As dense as round things can stand: dots of one robot are often as far apart as dots of two robots.
   DrawnScene drawn;
   std::mt19937 random(5);
   std::uniform_real_distribution<double> angle(-kPi, kPi);
@@ -226,7 +226,7 @@ TEST(DetectRobots, ACrowdOfTouchingRobotsSharesNoDots) {
 }
 
 TEST(DetectRobots, DotsThatMergeIntoOneBlob) {
-  // Front to front with all dots green: two pairs of dots are but 2 mm apart.
+  // Front to front with all dots green: two pairs of dots are only 2 mm apart.
   DrawnScene drawn(plain_options(PixelFormat::kUyvy, 4));
   drawn.add_robot(Team::kBlue, 8, 1000, 0, 0);
   drawn.add_robot(Team::kYellow, 8, 1112, 0, kPi);
@@ -269,9 +269,9 @@ TEST(DetectRobots, SpecksOfTheDotsColoursOnTheTopDoNoHarm) {
   }
 }
 
-// ---- what is not all to be seen
+// ---- partly hidden robots
 
-/// Three dots leave two ids each time.
+/// Three visible dots leave two possible ids.
 void expect_no_guesses(PixelFormat format, double noise, unsigned seed) {
   std::mt19937 random(seed);
   DrawnScene drawn(plain_options(format, noise));
@@ -301,7 +301,7 @@ TEST(DetectRobots, ACoveredSideDotIsNeverGuessedFromNoise) {
   }
 }
 
-/// One dot of each robot under something whose middle lies `out` times as far from the robot's as the dot's.
+/// Covers one dot of each robot. The cover's centre is `out` times as far from the robot's centre as the dot.
 void expect_no_wrong_id(double radius_mm, double out, std::span<const Rgb> colors) {
   std::mt19937 random(7);
   DrawnScene drawn(plain_options(PixelFormat::kUyvy, 4));
@@ -346,7 +346,7 @@ TEST(DetectRobots, TheRosterTellsWhoHasACoveredDot) {
 }
 
 TEST(DetectRobots, TheOtherRobotsTellWhoHasACoveredDot) {
-  // 6 but for its second dot is 12 or so: whoever that is, is seen elsewhere.
+  // Without one dot, id 8 could be another id, too; but that robot is seen elsewhere.
   for (std::size_t dot = 0; dot < 4; ++dot) {
     const int twin = twin_of(8, dot);
     if (twin < 0) continue;
@@ -389,7 +389,7 @@ TEST(DetectRobots, MemoryFades) {
 }
 
 TEST(DetectRobots, WithARollingShutterRobotsAreReportedWhereTheyWereAtTheFramesTime) {
-  // Two robots drive by at 1 m/s, one high up in the picture and one far down.
+  // Two robots drive at 1 m/s, one near the top of the image and one near the bottom.
   DetectRobots detector;
   DetectRobots::Params params;
   params.rolling_shutter_ms = 20;
@@ -427,7 +427,7 @@ TEST(DetectRobots, WithARollingShutterRobotsAreReportedWhereTheyWereAtTheFramesT
 }
 
 TEST(DetectRobots, MemoryOfOneRobotIsNotTakenForAnother) {
-  // The robot that was there has been replaced by another, two dots different, with one dot covered.
+  // The robot was replaced by another one, whose code differs at two dots; one dot is covered.
   DrawnScene before, after;
   before.add_robot(Team::kYellow, 8, 1300, -500, 0.5);
   after.add_robot(Team::kYellow, 9, 1300, -500, 0.5, 1);
@@ -460,7 +460,7 @@ TEST(DetectRobots, MemoryDoesNotGoWhereTheMaskHides) {
 }
 
 TEST(DetectRobots, MemoryNeverMovesARobot) {
-  // The same picture, with and without another one before it: bit by bit.
+  // The same image, with and without an earlier one, gives bit-identical results.
   std::mt19937 random(8);
   DrawnScene before(plain_options(PixelFormat::kUyvy, 4)), now(plain_options(PixelFormat::kUyvy, 4));
   add_all_robots(now, random);
@@ -480,7 +480,7 @@ TEST(DetectRobots, MemoryNeverMovesARobot) {
   }
 }
 
-/// With the centre dots under something: found by memory, and nothing without.
+/// With covered centre dots, robots are found with memory, and none without.
 void expect_memory_without_centre(Rgb color) {
   for (const PixelFormat format : kColorFormats) {
     SCOPED_TRACE(name_of(format));
@@ -506,7 +506,7 @@ TEST(DetectRobots, AWhiteCentreDotNeedsMemory) {
 }
 
 TEST(DetectRobots, ACentreDotWhoseRegionIsTooLargeIsFoundFromItsSideDots) {
-  // Something blue lies before it and is one region with it.
+  // Something blue in front of it forms one region with it.
   for (int id = 0; id < 16; ++id) {
     DrawnScene drawn;
     drawn.add_robot(Team::kBlue, id, 1300, 400, 0.8 * id);
@@ -526,7 +526,7 @@ TEST(DetectRobots, HalfOutOfThePictureIsRightOrNotReported) {
     DrawnScene drawn(plain_options(format, 4));
     const auto at = [&](double u, double v) { return *drawn.scene().camera->unproject({u, v}, kHeightMm); };
     for (int step = 0; step < 4; ++step) {
-      // All round, ever further out; the corners too.
+      // On all sides, farther out in each step; the corners too.
       drawn.clear();
       const double in_px = 14 - 5.0 * step;
       std::vector<Eigen::Vector2d> places;
@@ -547,7 +547,7 @@ TEST(DetectRobots, HalfOutOfThePictureIsRightOrNotReported) {
       SCOPED_TRACE(std::string(name_of(format)) + " step " + std::to_string(step));
       expect_nothing_wrong(drawn.robots().robots, drawn);
     }
-    // Side dots, and centres, in the very corners: nobody reads outside.
+    // Side dots and centres in the very corners: nothing is read outside the image.
     for (const double in_px : {0.0, 5.0, 11.0, 14.0}) {
       drawn.clear();
       int id = 0;
@@ -563,10 +563,10 @@ TEST(DetectRobots, HalfOutOfThePictureIsRightOrNotReported) {
   }
 }
 
-// ---- what is there twice
+// ---- duplicates
 
 TEST(DetectRobots, TwoRobotsNeverShareADot) {
-  // A centre dot and three side dots lie beside a robot so that one of its own completes them.
+  // A centre dot and three side dots lie beside a robot so that one of its own dots completes them.
   for (std::size_t own = 0; own < 4; ++own) {
     for (std::size_t other = 0; other < 4; ++other) {
       DrawnScene drawn;
@@ -574,14 +574,14 @@ TEST(DetectRobots, TwoRobotsNeverShareADot) {
       const SimulatedRobot robot = drawn.things().robots[0];
       const auto& dots = league_patterns().dots;
       const Eigen::Vector2d shared = on_top(robot, dots[own].x_mm, dots[own].y_mm);
-      // The phantom looks so that its dot `other` lies towards the robot.
+      // With the phantom's heading, its dot `other` lies towards the robot.
       const double towards = std::atan2(robot.y_mm - shared.y(), robot.x_mm - shared.x());
       const double heading = towards + kPi - std::atan2(dots[other].y_mm, dots[other].x_mm) + kPi;
       const double c = std::cos(heading), s = std::sin(heading);
       const Eigen::Vector2d center = shared - Eigen::Vector2d(c * dots[other].x_mm - s * dots[other].y_mm,
                                                               s * dots[other].x_mm + c * dots[other].y_mm);
       const SimulatedRobot phantom{Team::kBlue, 8, center.x(), center.y(), heading, kHeightMm};
-      // Its black top, where the robot is not.
+      // Its black top, beside the robot's.
       cover_on_top(drawn, phantom, 0, 0, 44, kTopColor);
       for (std::size_t i = 0; i < 4; ++i) {
         if (i == other) continue;
@@ -604,7 +604,7 @@ TEST(DetectRobots, AnIdIsReportedOncePerTeam) {
   drawn.add_robot(Team::kYellow, 5, 1500, -500, 1.0);
   const RobotList found = drawn.robots();
   EXPECT_THAT(found.robots, SizeIs(2));
-  // The other one is known all the same: somebody must be told.
+  // The other one is returned as well, so that it can be reported.
   ASSERT_THAT(found.second_robots, SizeIs(1));
   EXPECT_EQ(found.second_robots[0].team, Team::kBlue);
   EXPECT_EQ(found.second_robots[0].id, 5);
@@ -620,7 +620,7 @@ TEST(DetectRobots, AnIdIsReportedOncePerTeam) {
   EXPECT_GT(all[1].confidence, 0.95);
 }
 
-// ---- what is no robot, no colour, no calibration
+// ---- no robot, no colour, no calibration
 
 TEST(DetectRobots, ConfidenceIsANumberFromZeroToOneAndFallsInTheList) {
   std::mt19937 random(10);
@@ -654,7 +654,7 @@ TEST(DetectRobots, NothingInAPictureWithoutColours) {
   DrawnScene drawn(plain_options(PixelFormat::kMono8));
   drawn.add_robot(Team::kBlue, 9, 1500, 500, 1.0);
   EXPECT_THAT(drawn.robots().robots, IsEmpty());
-  // Nor with regions from elsewhere, or a memory of what was there.
+  // Nor with another image's regions, or a remembered robot.
   DrawnScene colored;
   colored.add_robot(Team::kBlue, 9, 1500, 500, 1.0);
   DetectRobots detector;
@@ -675,7 +675,7 @@ TEST(DetectRobots, APictureOfAnotherSizeThanTheCalibrationsIsSurvived) {
     small.add_robot(Team::kBlue, 9, 1300, 1000, 1.0);
     small.add_robot(Team::kYellow, 2, 2000, 30, 1.0);
     EXPECT_LE(small.robots().robots.size(), 2U);
-    // Regions and memory of a larger picture.
+    // Regions and memory of a larger image.
     DrawnScene large(plain_options(format));
     std::mt19937 random(11);
     add_all_robots(large, random);
@@ -690,7 +690,7 @@ TEST(DetectRobots, APictureOfAnotherSizeThanTheCalibrationsIsSurvived) {
   }
 }
 
-/// A picture of 4 px squares in the prints' colours, thousands of them.
+/// An image of thousands of 4 px squares in the prints' colours.
 class Confetti {
  public:
   explicit Confetti(unsigned seed) : bytes_(780 * 580 * 3) {
@@ -716,7 +716,7 @@ class Confetti {
 };
 
 TEST(DetectRobots, ThousandsOfBlobsEndAndAllocateNothingTheSecondTime) {
-  DrawnScene drawn;  // for its camera and colours
+  DrawnScene drawn;  // only for its camera and colours
   Segment segment;
   DetectRobots detector;
   RunList runs;
@@ -749,7 +749,7 @@ TEST(DetectRobots, ThousandsOfBlobsEndAndAllocateNothingTheSecondTime) {
   }
 }
 
-/// Discs of one colour, row by row, as high as robots are.
+/// A grid of discs at robot height; the colours take turns.
 void cover_with_discs(DrawnScene& drawn, double from_x_mm, double to_x_mm, double apart_mm,
                       double diameter_mm, std::span<const Label> colors) {
   std::size_t count = 0;
@@ -793,4 +793,4 @@ TEST(DetectRobots, AnOrdinaryPictureIsNotCapped) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::detect_robots_test

@@ -18,10 +18,11 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::disc_fit_test {
 namespace {
 
-/// The contrast over its own deviation, all planes together; the planes' noise is taken as 1 at least.
+/// The contrast divided by its standard deviation, for all planes together; a plane's variance counts as at
+/// least 1.
 double significance(const DiscFit& fit) {
   double sum = 0;
   for (const DiscFit::Plane& p : fit.planes)
@@ -35,7 +36,7 @@ const std::array kAllFormats{PixelFormat::kUyvy,     PixelFormat::kYuyv,     Pix
 constexpr double kMmPerPx = 5.6, kRadiusMm = 20, kMarginMm = 10, kBlurPx = 0.46;
 constexpr std::array kInk{200.0, 84.0, 150.0}, kGround{44.0, 44.0, 47.0};
 
-/// A camera that looks straight at a plane: x to the right, y downwards, the patch's point at a pixel.
+/// A camera that looks straight at a plane: x to the right, y down, the patch's origin at pixel (u, v).
 PlanePatch flat_patch(double u, double v, double mm_per_px = kMmPerPx) {
   return {{u, v}, {0, 0}, mm_per_px, 0, 0, 0, 0, 0, mm_per_px, 0, 0, 0};
 }
@@ -44,8 +45,8 @@ struct Disc {
   double u, v, radius_px;
 };
 
-/// A picture of even discs on an even ground, as a camera without vignette would give it, with noise of
-/// its own in each sample. Its buffer ends with the last byte.
+/// An image of uniform discs on a uniform ground, as from a camera without vignetting, with independent noise
+/// in each sample. The buffer has no slack after the last byte.
 class DiscPicture {
  public:
   DiscPicture(PixelFormat format, int width, int height, const std::vector<Disc>& discs, double noise,
@@ -71,7 +72,7 @@ class DiscPicture {
     for (std::uint8_t& pixel : pixels)
       pixel = static_cast<std::uint8_t>(std::clamp(std::round(pixel + noise * normal(random)), 0.0, 255.0));
     const int row_bytes = width * bytes_per_pixel(format), stride = row_bytes + padding;
-    const int rows = bits > 8 ? 2 * height : height;  // the low bits behind the others
+    const int rows = bits > 8 ? 2 * height : height;  // the low bits follow the high ones
     const int bytes = stride * (rows - 1) + row_bytes;
     bytes_ = std::make_unique<std::uint8_t[]>(static_cast<std::size_t>(bytes));
     std::fill_n(bytes_.get(), bytes, std::uint8_t{255});
@@ -103,10 +104,10 @@ class DiscPicture {
 class DiscFitIn : public ::testing::TestWithParam<PixelFormat> {};
 
 TEST_P(DiscFitIn, TheCentreIsAsGoodAsTheFitSays) {
-  // 200 discs, each at another place in its pixels, looked for up to 1 mm from where they are.
+  // 200 discs, at different subpixel positions, searched up to 1 mm from where they are.
   std::mt19937 random(1);
   std::uniform_real_distribution<double> within(-0.5, 0.5);
-  constexpr double kNoise = 10;  // more than the rest of what the model leaves out
+  constexpr double kNoise = 10;  // larger than the model's other errors
   DiscMeter meter;
   double chi2 = 0, far = 0;
   int discs = 0;
@@ -173,7 +174,7 @@ TEST_P(DiscFitIn, TellsTheColourAndThatThereIsADisc) {
   EXPECT_LT(significance(none), 15);
 }
 
-/// In light so weak that a dot stands out by a third of a level of 8 bits.
+/// In light so weak that a dot differs from its ground by a third of an 8-bit level.
 TEST(DiscFitOfDeepPixels, SeesWhatEightBitsDoNotShow) {
   constexpr double kBrightness = 0.002;
   for (const PixelFormat format :
@@ -273,8 +274,8 @@ TEST_P(DiscFitIn, AllInstructionSetsGiveTheSameSumsOfABall) {
   }
 }
 
-// Beyond the last sample there is something to fill a vector with, which must not lie on the disc however the
-// plane is curved.
+// The last vector is padded after the last sample. The padding must not lie on the disc, however the plane is
+// curved.
 TEST_P(DiscFitIn, WhatFillsAVectorIsNoSample) {
   const DiscPicture shown(GetParam(), 48, 48, {}, 4);
   PlanePatch patch = flat_patch(24, 24);
@@ -290,7 +291,8 @@ TEST_P(DiscFitIn, WhatFillsAVectorIsNoSample) {
 }
 
 TEST_P(DiscFitIn, ReadsNothingOutsideThePicture) {
-  // In all corners and beyond all edges; the buffer has no slack (a sanitizer looks).
+  // In all corners and beyond all edges; the buffer has no slack, so that a sanitizer detects reads beyond
+  // it.
   for (const std::int64_t target : cpu_targets()) {
     const OnlyTarget only(target);
     DiscMeter meter;
@@ -357,7 +359,7 @@ TEST_P(DiscFitIn, BeyondTheOutlineNothingCounts) {
   const DiscPicture plain(GetParam(), 60, 40, {{20, 20, kRadiusMm / kMmPerPx}}, 0);
   const DiscPicture beside(GetParam(), 60, 40, {{20, 20, kRadiusMm / kMmPerPx}, {32, 20, 5}}, 0);
   DiscMeter meter;
-  const DiscOutline outline{-40, 0, 1, 0, 1000, 62};  // all that lies further right than 22 mm from the disc
+  const DiscOutline outline{-40, 0, 1, 0, 1000, 62};  // cuts off what is more than 22 mm right of the disc
   const auto measured = [&](const DiscPicture& picture) {
     return fit_disc(
         meter.measure(picture.view(), flat_patch(20, 20), {0, 0, kRadiusMm, 25}, outline, kBlurPx));
@@ -389,7 +391,7 @@ TEST(DiscFit, OutsideThePictureThereIsNoDisc) {
 }
 
 TEST(DiscFit, AnEvenPictureHasNoDisc) {
-  // Without noise too: no division by nothing.
+  // Also without noise: no division by zero.
   for (const PixelFormat format : kAllFormats) {
     const DiscPicture shown(format, 40, 40, {}, 0);
     DiscMeter meter;
@@ -418,9 +420,9 @@ TEST(DiscFit, TheGroundOfSeveralDiscsIsCommon) {
 TEST(DiscFit, UsesTheBestInstructionSetOfThisCpu) {
   std::vector<std::string> best;
   for (const std::int64_t target : cpu_targets()) best.push_back(name_of_target(target));
-  std::erase(best, "AVX3_DL");  // not asked for: nothing here would use it
+  std::erase(best, "AVX3_DL");  // not requested: the kernel would not use it
   EXPECT_EQ(disc_kernel_target(), best.front());
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::disc_fit_test

@@ -14,14 +14,14 @@
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::field_view_test {
 namespace {
 
 using Interval = Mask::Interval;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-/// A narrow field under the cameras.
+/// A narrow field below the cameras.
 Scene small_field(const CameraCalibration& calibration) {
   Scene scene;
   scene.field.field_length = 4500;
@@ -52,7 +52,8 @@ TEST(FieldView, HasTheFieldAndALittleAndNotTheHall) {
         if (ground <= 200 || top <= 200) {
           ASSERT_TRUE(shows) << x << ' ' << y;
         }
-        // A block of the grid is at most 16 pixels, of up to 12 mm each in the oblique picture, too large.
+        // Blocks of the grid are up to 16 px wide, and a pixel is up to 12 mm in the oblique image: so much
+        // more may be shown.
         if (ground > 200 + 250 && top > 200 + 250) {
           ASSERT_FALSE(shows) << x << ' ' << y;
         }
@@ -65,7 +66,7 @@ TEST(FieldView, HasTheFieldAndALittleAndNotTheHall) {
 }
 
 TEST(FieldView, HidesWhatLiesAboveTheHorizon) {
-  CameraCalibration level = oblique_camera();  // a camera that looks along the floor sees half of it
+  CameraCalibration level = oblique_camera();  // looks along the floor, to the horizon
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(1.2, Eigen::Vector3d::UnitX()));
   const Eigen::Quaterniond q = turn * Eigen::Quaterniond(overhead_camera().q3, overhead_camera().q0,
                                                          overhead_camera().q1, overhead_camera().q2);
@@ -95,7 +96,7 @@ TEST(FieldView, LimitsTheMaskInPixelsAndQuads) {
   EXPECT_THAT(mask.row(16, 1), IsEmpty());
   EXPECT_THAT(mask.row(7, 2), ElementsAre(Interval{8, 20}));
   EXPECT_THAT(mask.row(8, 2), IsEmpty());
-  // Not in the picture that the calibration is for.
+  // Everything is shown outside the image for which the camera was calibrated.
   const Mask whole({}, view);
   EXPECT_THAT(whole.row(0, 1), ElementsAre(Interval{16, 48}, Interval{64, 80}, Interval{96, 16'384}));
   EXPECT_THAT(whole.row(20, 2), ElementsAre(Interval{0, 16'384}));
@@ -134,4 +135,4 @@ TEST(FieldView, StagesLookAtItUnlessTheSettingsSayAllOfThePicture) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::field_view_test

@@ -14,7 +14,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::flood_cut_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -45,7 +45,7 @@ void fill(LabelImage& picture, int x, int y, int width, int height, Label label)
   for (int i = y; i < y + height; ++i) std::fill_n(picture.row(i) + x, width, label);
 }
 
-/// Every second cell of so many rows of a block.
+/// Labels every second cell of a block's first `rows` rows.
 void flood(LabelImage& picture, int across, int down, int rows, Label label) {
   for (int y = down * kBlock; y < down * kBlock + rows; ++y) {
     for (int x = across * kBlock; x < (across + 1) * kBlock; x += 2) picture.row(y)[x] = label;
@@ -82,7 +82,7 @@ TEST(FloodCut, LeavesAloneWhatIsDenseButNoFlood) {
 }
 
 TEST(FloodCut, LeavesDotsAmongSpeckle) {
-  // As in a dim light: three labels in a tenth of a block's cells each.
+  // As in dim light: three labels, together in a tenth of a block's cells.
   LabelImage picture = clear_picture(kBlock, kBlock);
   std::mt19937 random(1);
   for (int y = 0; y < kBlock; ++y) {
@@ -131,7 +131,7 @@ TEST(FloodCut, CutsTheFullestBlocksWhenAllTogetherAreTooMany) {
   EXPECT_EQ(runs_of(picture, 351).runs.size(), 160U);
 }
 
-/// The definition, word by word.
+/// Reference: the definition, implemented directly.
 std::vector<std::tuple<int, int, int, int>> plainly(LabelImage picture, std::size_t max_runs) {
   std::map<std::pair<int, Label>, int> counts;
   const int across = (picture.width + kBlock - 1) / kBlock;
@@ -195,7 +195,7 @@ TEST(FloodCut, IsAsDefined) {
   for (int i = 0; i < 300; ++i) {
     LabelImage picture =
         clear_picture(1 + static_cast<int>(random() % 400), 1 + static_cast<int>(random() % 200));
-    // Each part has labels of its own, more or less densely.
+    // Each part has its own labels, at its own density.
     for (int part = 0; part < 8; ++part) {
       const int x = static_cast<int>(random() % static_cast<unsigned>(picture.width));
       const int y = static_cast<int>(random() % static_cast<unsigned>(picture.height));
@@ -222,4 +222,4 @@ TEST(FloodCut, IsAsDefined) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::flood_cut_test

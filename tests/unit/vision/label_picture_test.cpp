@@ -8,7 +8,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::label_picture_test {
 namespace {
 
 Rgb pixel(const ImageView& picture, int x, int y) {
@@ -19,7 +19,7 @@ Rgb pixel(const ImageView& picture, int x, int y) {
 TEST(LabelPicture, EveryCellHasTheColorOfItsLabel) {
   std::mt19937 random(1);
   std::vector<std::uint8_t> buffer;
-  // The second picture is smaller: nothing of the first may be left in the buffer.
+  // The second image is smaller: nothing of the first may remain in the buffer.
   for (const auto& [width, height] : {std::pair{21, 10}, std::pair{16, 9}}) {
     LabelImage labels{width, height, 2, {}};
     for (int i = 0; i < width * height; ++i)
@@ -80,4 +80,4 @@ TEST(LabelPicture, DisplayColorsCanBeToldApart) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::label_picture_test

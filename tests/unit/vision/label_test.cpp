@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::label_test {
 namespace {
 
 using ::testing::AllOf;
@@ -56,4 +56,4 @@ TEST(LabelSet, RefusesWhatCannotBeToldApart) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::label_test

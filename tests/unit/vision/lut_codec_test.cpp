@@ -8,7 +8,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::lut_codec_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -23,7 +23,7 @@ std::string error_of(const Bytes& bytes, const LabelSet& labels = LabelSet::buil
   return "no error";
 }
 
-/// Runs of all lengths.
+/// A table with runs of all lengths.
 ColorTable striped(int bits, Label labels) {
   ColorTable table(bits);
   std::mt19937 random(1);
@@ -53,7 +53,7 @@ TEST(LutCodec, KeepsWhatPrintsLookLike) {
   for (std::size_t length = 0; length < bytes.size(); length += 1 + length / 20)
     EXPECT_THAT(error_of(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length))),
                 HasSubstr("a.lut: "));
-  // Green's first share follows its label.
+  // The first share of green's print follows its label.
   const Bytes green{label::kGreen, 2390 & 0xFF, 2390 >> 8};
   Bytes wrong = bytes;
   const auto at = std::search(wrong.begin(), wrong.end(), green.begin(), green.end());
@@ -134,4 +134,4 @@ TEST(LutCodec, SaysWhatIsWrongWithAFile) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::lut_codec_test

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::lut_from_samples_test {
 namespace {
 
 using Color = std::array<double, 3>;
@@ -26,7 +26,7 @@ const std::vector<Paint> kPrints{{label::kOrange, {235, 105, 30}},
                                  {label::kGreen, {95, 212, 75}}};
 constexpr Color kField{30, 92, 60}, kWhite{205, 206, 200}, kBlack{24, 24, 27};
 
-/// What one pixel of a surface shows.
+/// A pixel of a surface of this colour.
 Rgb seen(const Color& color, double light, const Color& cast = {1, 1, 1}) {
   std::array<std::uint8_t, 3> out{};
   for (std::size_t c = 0; c < 3; ++c) {
@@ -157,7 +157,7 @@ TEST(LutFromSamples, WhatIsShownAsClearStaysClear) {
   EXPECT_EQ(of(lut_from_samples(samples), {40, 70, 180}), label::kBlue);
   samples.push_back({label::kClear, {40, 70, 180}});
   EXPECT_EQ(of(lut_from_samples(samples), {40, 70, 180}), label::kClear);
-  EXPECT_EQ(of(lut_from_samples(samples), purple), label::kClear);  // nobody's
+  EXPECT_EQ(of(lut_from_samples(samples), purple), label::kClear);  // no label's colour
 }
 
 TEST(LutFromSamples, TheBackgroundCanBeNamed) {
@@ -180,4 +180,4 @@ TEST(LutFromSamples, LabelsWithoutSamplesAreNotInTheTable) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::lut_from_samples_test

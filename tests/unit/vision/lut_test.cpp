@@ -13,7 +13,7 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
-namespace sslv {
+namespace sslv::lut_test {
 namespace {
 
 using ::testing::AllOf;
@@ -114,7 +114,7 @@ TEST(Lut, PrintsTellMoreThanCells) {
 }
 
 TEST(Lut, SharesStayWhenTheLightChanges) {
-  // One colour in all its shades, and a table of the upper half of them.
+  // One colour in all its shades, and a table with only their brighter half.
   const auto shades = [](double darkest) {
     std::vector<Label> labels(Lut::kEntries);
     for (int i = 0; i < 1000; ++i) {
@@ -165,7 +165,7 @@ TEST(Lut, ClassesMayHaveOwnLabels) {
   EXPECT_THAT(error_of([&] { make_lut(colors, "/colors"); }), HasSubstr("\"purple\" is not allowed"));
 }
 
-// ---- other bits, and changes
+// ---- other bit depths, and changes
 
 class Random {
  public:
@@ -178,7 +178,7 @@ class Random {
   std::mt19937 engine_;
 };
 
-/// Blobs of all labels, as tables have, and a few cells without order.
+/// Boxes of any label, as real tables have, and a few random cells.
 ColorTable blobs(int bits, unsigned seed) {
   ColorTable table(bits);
   Random random(seed);
@@ -223,7 +223,7 @@ TEST_P(LutOfBits, HasTheTablesLabelsInAllItsColours) {
   EXPECT_TRUE(lut.color_table() == table);
   EXPECT_EQ(lut.color_bits(), GetParam());
   Random random(5);
-  // The twin asks the table about the middle of its own cell.
+  // The RGB table has the label of the centre of its own cell.
   const unsigned half = lut.rgb().bits == 8 ? 0 : 1;
   const auto middle = [&] { return static_cast<std::uint8_t>(random.byte() | half); };
   for (int i = 0; i < 100'000; ++i) {
@@ -241,7 +241,7 @@ TEST_P(LutOfBits, ChangesGiveWhatAWholeRebuildGives) {
   const auto count = static_cast<unsigned>(table.labels.size());
   for (int round = 0; round < 12; ++round) {
     std::vector<CellRun> changed;
-    // Single cells, runs, and at times more than is worth it.
+    // Single cells, runs, and once more than with_changes() is meant for.
     const int runs = round == 11 ? 3000 : round % 3 == 0 ? 1 : 40;
     const unsigned longest = round == 11 ? count / 3000 : round % 2 == 0 ? 1 : 30;
     for (int i = 0; i < runs; ++i) {
@@ -252,14 +252,14 @@ TEST_P(LutOfBits, ChangesGiveWhatAWholeRebuildGives) {
       std::fill_n(table.labels.begin() + begin, length, label);
     }
     lut = lut.with_changes(changed);
-    if (GetParam() == 8 && round % 6 != 5) continue;  // a whole one takes its time
+    if (GetParam() == 8 && round % 6 != 5) continue;  // building a whole table is slow
     expect_same(lut, Lut(table));
     if (HasFailure()) FAIL() << "round " << round;
   }
 }
 
 TEST(Lut, EveryCellCanBeChangedOnItsOwn) {
-  // Corners and edges of the cube, where RGB colours of clamped chromas lie.
+  // Includes corners and edges of the cube, where RGB colours with clamped chroma lie.
   Lut lut{ColorTable(5)};
   ColorTable table(5);
   std::vector<CellRun> changed;
@@ -281,10 +281,10 @@ TEST(Lut, RefusesWhatIsNoTable) {
   EXPECT_THAT(error_of([&] { Lut{table}; }), HasSubstr("label 32; labels are 0 .. 31"));
 }
 
-// ---- what a fast look at a picture relies on
+// ---- summaries for fast classification of images
 
 TEST(LutTable, BlocksAndChromasNameALabelOnlyWhenAllTheirColoursHaveIt) {
-  // A table without any order: every summary must hold for every colour.
+  // A random table: every summary must hold for every colour.
   std::vector<Label> labels(Lut::kEntries);
   std::mt19937 random(1);
   for (std::size_t i = 0; i < labels.size(); ++i)
@@ -300,7 +300,7 @@ TEST(LutTable, BlocksAndChromasNameALabelOnlyWhenAllTheirColoursHaveIt) {
           const auto byte = [](int value) { return static_cast<std::uint8_t>(value); };
           const Label label = table->of(byte(a), byte(b), byte(c));
           const Label block = table->blocks[static_cast<std::size_t>((a / 4 * 64 + b / 4) * 64 + c / 4)];
-          // For RGB, as byte-wise averages make them: a is R, b is B, c is G.
+          // For RGB, chroma comes from byte-wise averages: a is R, b is B, c is G.
           const int chroma_a = is_rgb ? (b + (255 - c) + 1) / 2 : a,
                     chroma_b = is_rgb ? (a + (255 - c) + 1) / 2 : b;
           const Label chroma = table->chroma[static_cast<std::size_t>(chroma_a / 8 * 32 + chroma_b / 8)];
@@ -313,7 +313,7 @@ TEST(LutTable, BlocksAndChromasNameALabelOnlyWhenAllTheirColoursHaveIt) {
       }
     }
   }
-  EXPECT_GT(uniform_blocks, 0u);  // or nothing was checked
+  EXPECT_GT(uniform_blocks, 0u);  // otherwise nothing was checked
 }
 
 TEST(LutTable, ATidyTableHasUniformChromas) {
@@ -335,7 +335,7 @@ TEST(ColorTable, OtherBitsKeepWhatCellsMean) {
   for (std::size_t cell = 0; cell < finer.labels.size(); cell += 997)
     ASSERT_EQ(finer.labels[cell], table.of(finer.color_of(cell)));
   EXPECT_EQ(resampled(finer, 6), table);
-  // Most of the eight cells count, of as many the lowest label.
+  // The majority label of the eight cells counts; of equally many, the lowest.
   ColorTable fine(7);
   for (const std::uint8_t y : std::array<std::uint8_t, 2>{0, 2})
     for (const std::uint8_t v : std::array<std::uint8_t, 2>{0, 2})
@@ -346,4 +346,4 @@ TEST(ColorTable, OtherBitsKeepWhatCellsMean) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::lut_test

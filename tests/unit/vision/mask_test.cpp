@@ -8,7 +8,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::mask_test {
 namespace {
 
 using Interval = Mask::Interval;
@@ -65,7 +65,7 @@ TEST(Mask, TellsOfASinglePixel) {
   EXPECT_TRUE(Mask().shows(-1, 1e9));
 }
 
-/// Whether a point is inside a polygon, by the even-odd rule, the slow way.
+/// Reference: whether a point is inside a polygon, by the even-odd rule.
 bool inside(const MaskPolygon& polygon, double x, double y) {
   bool odd = false;
   for (std::size_t i = 0; i < polygon.points.size(); ++i) {
@@ -105,7 +105,7 @@ TEST(Mask, EqualsTheEvenOddRuleForEveryCell) {
         int last_end = -1;
         for (const Interval interval : mask.row(y, cell_px)) {
           ASSERT_LT(interval.begin, interval.end);
-          ASSERT_GT(interval.begin, last_end);  // ascending and apart
+          ASSERT_GT(interval.begin, last_end);  // ascending and disjoint
           last_end = interval.end;
           for (int x = interval.begin; x < std::min<int>(interval.end, 70 / cell_px); ++x)
             found[static_cast<std::size_t>(x)] = true;
@@ -132,4 +132,4 @@ TEST(Mask, PointsOfAllPolygonsAreCounted) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::mask_test

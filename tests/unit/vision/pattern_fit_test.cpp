@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::pattern_fit_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi, kDegree = kPi / 180, kHeightMm = 140;
@@ -75,7 +75,7 @@ TEST_P(PatternFitIn, NamesTheColoursOfAllDots) {
 }
 
 TEST_P(PatternFitIn, TheSameResultFromAnyStart) {
-  // The estimate is that of the picture, not of the way to it.
+  // The estimate depends on the image only, not on the start.
   add_robots();
   const auto frame = this->frame();
   const SimulatedRobot& robot = drawn_.things().robots[5];
@@ -170,4 +170,4 @@ TEST(PatternFit, NothingInAPictureWithoutColours) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::pattern_fit_test

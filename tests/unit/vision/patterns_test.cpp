@@ -10,7 +10,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::patterns_test {
 namespace {
 
 using ::testing::AllOf;
@@ -80,7 +80,7 @@ TEST(Patterns, MayHaveOwnLabels) {
 }
 
 TEST(Patterns, NamesThePairThatLooksAlike) {
-  // Turned by half, 4 is 9.
+  // Turned by 180 degrees, 4 looks like 9.
   EXPECT_THAT(error_of(R"({"name": "lab", "center_diameter_mm": 30, "dot_diameter_mm": 20,
       "dots": [[40, 0], [-40, 0]], "codes": [{"id": 4, "colors": ["pink", "cyan"]}, {"id": 9, "colors": ["cyan", "pink"]}]})"),
               HasSubstr("ids 4 and 9 look alike"));
@@ -199,4 +199,4 @@ TEST(Patterns, NamesWhatIsWrongWithSizesAndColours) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::patterns_test

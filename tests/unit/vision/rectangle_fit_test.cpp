@@ -9,12 +9,12 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::rectangle_fit_test {
 namespace {
 
 constexpr double kPixelMm = 6, kReachMm = 36, kGround = 40, kInk = 150;
 
-/// A share of a square pixel, by many points.
+/// The covered share of a square pixel, by sampling many points.
 template <class IsIn>
 double share_of(double x, double y, const IsIn& is_in) {
   constexpr int kPoints = 12;
@@ -26,14 +26,14 @@ double share_of(double x, double y, const IsIn& is_in) {
   return static_cast<double>(in) / (kPoints * kPoints);
 }
 
-/// What a camera without blur sees of a thing, with noise.
+/// A shape as a camera without blur sees it, with noise.
 template <class IsIn>
 std::unique_ptr<RectangleSamples> picture_of(const IsIn& is_in, double noise) {
   auto out = std::make_unique<RectangleSamples>();
   std::mt19937 random(1);
   std::normal_distribution<double> off(0, noise);
   out->planes = 1;
-  // Of a pixel alone: an even square.
+  // Only a pixel's own blur: a uniform square.
   out->blur_mm2 = {{{kPixelMm * kPixelMm / 12, 0}, {0, kPixelMm * kPixelMm / 12}}};
   for (double y = -kReachMm; y <= kReachMm; y += kPixelMm) {
     for (double x = -kReachMm; x <= kReachMm; x += kPixelMm) {
@@ -46,7 +46,7 @@ std::unique_ptr<RectangleSamples> picture_of(const IsIn& is_in, double noise) {
   return out;
 }
 
-/// The nearest of the two ways to say the same: a quarter turn swaps length and width.
+/// Up to a quarter turn, which swaps length and width.
 void expect_near(const Rectangle& found, const Rectangle& true_one, double within_mm, double within_rad) {
   EXPECT_NEAR(found.x, true_one.x, within_mm);
   EXPECT_NEAR(found.y, true_one.y, within_mm);
@@ -73,7 +73,7 @@ TEST(RectangleFit, FindsAPieceOfTape) {
       RectangleSamples* const groups[]{samples.get()};
       SCOPED_TRACE(testing::Message() << angle << " rad, " << half_width << " mm");
       expect_near(fit_rectangle({0, 0, 19, 19, 0}, groups), tape, 0.6, 0.06);
-      // Noise, and pixels whose blur is no normal distribution.
+      // The rest is noise, and the pixels' blur, which is not a normal distribution.
       EXPECT_LT(samples->left2[0] / static_cast<double>(samples->count), 25);
     }
   }
@@ -101,4 +101,4 @@ TEST(RectangleFit, OfNothingEnds) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::rectangle_fit_test

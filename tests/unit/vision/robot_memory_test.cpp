@@ -7,7 +7,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::robot_memory_test {
 namespace {
 
 using ::testing::IsEmpty;
@@ -46,7 +46,7 @@ TEST(RobotMemory, WithARollingShutterARobotWasElsewhereAtTheFramesTime) {
   const RowTimes rows(0.02, {}, 101);
   EXPECT_NEAR(rows.delay_s(50), 0, 1e-12);
   EXPECT_NEAR(rows.delay_s(75), 0.005, 1e-12);
-  const auto place = [](double t) {  // speeds up
+  const auto place = [](double t) {  // accelerates
     return std::array{1000 * t + 2000 * t * t, -500 * t, 3 * t};
   };
   RobotMemory memory;
@@ -102,7 +102,7 @@ TEST(RobotMemory, KnowsTeamsAndIdsApart) {
 }
 
 TEST(RobotMemory, OfTwoWithTheSameIdTheBetterCounts) {
-  // Lists fall in confidence.
+  // Lists are sorted by falling confidence.
   RobotMemory memory;
   memory.remember({{robot_at(Team::kBlue, 4, 0, 0, 0), robot_at(Team::kBlue, 4, 900, 0, 0)}}, 10);
   memory.remember({{robot_at(Team::kBlue, 4, 1, 0, 0), robot_at(Team::kBlue, 4, 901, 0, 0)}}, 10.01);
@@ -142,4 +142,4 @@ TEST(RobotMemory, TwoPicturesOfOneMomentGiveNoSpeed) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::robot_memory_test

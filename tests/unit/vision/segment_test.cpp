@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fused stage against the plain ones, bit by bit, for every instruction set this CPU has.
+// The fused stage and the plain ones must agree bit by bit, with every instruction set of this CPU.
 #include "vision/segment.h"
 
 #include "image/color.h"
@@ -16,7 +16,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::segment_test {
 namespace {
 
 using Random = std::mt19937;
@@ -29,7 +29,7 @@ constexpr std::array kAllFormats{PixelFormat::kUyvy,     PixelFormat::kYuyv,    
                                  PixelFormat::kBgr24,    PixelFormat::kMono8,    PixelFormat::kBayerRg8,
                                  PixelFormat::kBayerGr8, PixelFormat::kBayerGb8, PixelFormat::kBayerBg8};
 
-/// A picture at the very end of its memory, so that a sanitizer sees who reads beyond.
+/// An image that ends where its memory ends, so that a sanitizer detects reads beyond it.
 struct Picture {
   std::vector<std::uint8_t> bytes;
   ImageView view;
@@ -42,7 +42,7 @@ struct Picture {
   }
   Image image() const { return {view, nullptr, nullptr, nullptr}; }
 
-  /// Colours a pixel, or the pair or quad it lies in.
+  /// Colours a pixel, or the pair or quad that contains it.
   void set(int x, int y, Rgb c) {
     const auto at = [&](int px, int py) -> std::uint8_t& {
       return bytes[static_cast<std::size_t>(py * view.stride_bytes + px)];
@@ -172,7 +172,7 @@ TEST_P(SegmentOnTarget, EqualsThePlainStages) {
     params.threads = i % 50 == 0 ? 3 : 1;
     const int padding = random() % 2 == 0 ? 0 : between(random, 1, 70);
 
-    // Several pictures and tables in turn: the background is learnt from the first ones.
+    // Several images and tables in turn: the background is learnt from the first images.
     Segment segment;
     auto lut = test_luts()[random() % test_luts().size()];
     for (int k = 0; k < 3; ++k) {
@@ -283,4 +283,4 @@ TEST(Segment, SharesAPictureBetweenThreads) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::segment_test

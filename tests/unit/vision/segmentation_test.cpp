@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// threshold -> find_runs -> find_regions, against a flood fill that knows nothing of runs.
+// threshold -> find_runs -> find_regions, compared with a flood fill that does not use runs.
 #include "vision/find_regions.h"
 #include "vision/find_runs.h"
 #include "vision/threshold.h"
@@ -10,7 +10,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::segmentation_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -25,7 +25,7 @@ LabelImage random_labels(std::mt19937& random, int width, int height, int cell_p
   return image;
 }
 
-/// What a region is, without the order in which it was found: label, cells, sum of x, sum of y, box.
+/// A region, independent of the order in which it was found: label, cells, sum of x, sum of y, box.
 using Blob = std::tuple<int, int, long, long, int, int, int, int>;
 
 std::vector<Blob> flood_fill(const LabelImage& image, bool eight) {
@@ -85,7 +85,7 @@ TEST(Segmentation, EqualsFloodFillOnRandomPictures) {
   RunList runs;
   RegionList regions;
   for (int i = 0; i < 400; ++i) {
-    // So small that no label floods.
+    // Too small for any label to count as a flood.
     const int width = 1 + static_cast<int>(random() % 40), height = 1 + static_cast<int>(random() % 8);
     const int cell_px = 1 + i % 2;
     const LabelImage labels = random_labels(random, width, height, cell_px);
@@ -162,7 +162,7 @@ std::shared_ptr<const Lut> lut_with(std::initializer_list<std::pair<Rgb, Label>>
   std::vector<Label> table(Lut::kEntries, label::kClear);
   for (const auto& [rgb, label] : colors) {
     const Yuv c = to_yuv(rgb);
-    // A small box, since the RGB twin rounds.
+    // A small box, because the RGB table rounds.
     for (int y = -4; y <= 4; ++y) {
       for (int u = -4; u <= 4; ++u) {
         for (int v = -4; v <= 4; ++v) {
@@ -237,4 +237,4 @@ TEST(Threshold, SkipsThePaddingOfRows) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::segmentation_test

@@ -9,7 +9,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::audit_log_test {
 namespace {
 
 using testing::ElementsAre;
@@ -18,7 +18,7 @@ using testing::SizeIs;
 
 class AuditLogTest : public testing::Test {
  protected:
-  /// The lines that came since this was last asked.
+  /// Log lines since the last call.
   std::vector<std::string> lines() {
     const auto fresh = log::recent().newer_than(seen_, log::Level::kInfo);
     seen_ = fresh.newest;
@@ -102,4 +102,4 @@ TEST_F(AuditLogTest, AnAddressIsShownAsText) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::audit_log_test

@@ -8,7 +8,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::connections_test {
 namespace {
 
 using testing::HasSubstr;
@@ -17,7 +17,7 @@ class ConnectionsTest : public testing::Test {
  protected:
   static constexpr int kMax = 64;
 
-  /// A connection that is closed when it is told to. Null: not let in.
+  /// A connection that closes when asked to. Null if it was refused.
   struct Connection {
     std::shared_ptr<Connections::Seat> seat;
     bool closed = false;
@@ -82,7 +82,7 @@ TEST_F(ConnectionsTest, OneAddressHasNoMoreThanHalf) {
 }
 
 TEST_F(ConnectionsTest, StrangersNeverHaveAll) {
-  const auto busy = connect_many(kMax);  // the newest of them have room
+  const auto busy = connect_many(kMax);  // the newest of them stay open
   for (const auto& one : busy) one->seat->works();
   EXPECT_FALSE(connect("192.0.2.1"));
   EXPECT_EQ(problem_, "too many connections; try again later");
@@ -271,4 +271,4 @@ TEST_F(ConnectionsTest, WhatWaitsIsCountedWhereTheClientBelongs) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::connections_test

@@ -26,14 +26,14 @@
 
 namespace sslv {
 
-/// All that a web server asks for: a daemon with camera 0, whose frames a test publishes. Every server made
-/// of it must be gone before it is.
+/// Everything that a web server needs: a daemon with camera 0, whose frames a test publishes. It must outlive
+/// every server that uses it.
 class FakeHost : public Gate, public ViewSource, public Topic {
  public:
   static constexpr int kWidth = 64, kHeight = 48;
   static constexpr int kLabelsWidth = 32, kLabelsHeight = 24;
 
-  /// `robots` stands in the place of the list of robots. `hold` is let go together with the frame.
+  /// `robots` replaces the list of robots. `hold` is released together with the frame.
   void publish(std::uint32_t frame_number, const Json& robots = Json::array(),
                std::shared_ptr<const void> hold = {}) {
     auto view = std::make_shared<View>();
@@ -56,7 +56,7 @@ class FakeHost : public Gate, public ViewSource, public Topic {
     views_.put(std::move(view));
   }
 
-  /// A picture that makes a large JPEG.
+  /// Publishes an image that makes a large JPEG.
   void publish_noise(std::uint32_t frame_number) {
     constexpr int kSide = 1024;
     auto noise = std::make_shared<std::vector<std::uint8_t>>(std::size_t{kSide} * kSide);
@@ -70,10 +70,10 @@ class FakeHost : public Gate, public ViewSource, public Topic {
     views_.put(std::move(view));
   }
 
-  /// From the next frame on.
+  /// Frames published from now on have no runs.
   void make_no_runs() { makes_runs_ = false; }
 
-  /// How often a labelled picture was drawn.
+  /// How often a label image was drawn.
   int drawings() const { return drawings_; }
   /// How often regions were listed.
   int region_lists() const { return region_lists_; }
@@ -111,7 +111,7 @@ class FakeHost : public Gate, public ViewSource, public Topic {
   const char* topic_name() const override { return "status"; }
   Json topic_data() override { return {{"site", "test"}, {"go", false}}; }
 
-  /// As the services' own: what a router and a server have to do with them.
+  /// Routes like the services' own, for everything that routers and servers do with routes.
   std::vector<Route> routes() {
     return {
         {"GET", "/api/status", [this](const Request&) { return json_response(topic_data()); }},
@@ -177,11 +177,11 @@ class FakeHost : public Gate, public ViewSource, public Topic {
   }
   WebParts parts() { return {*this, *this, {this}, routes()}; }
 
-  /// What GET /api/file/... answers.
+  /// The body that GET /api/file/... returns.
   void set_file(std::vector<std::uint8_t> bytes) { file_ = std::move(bytes); }
   /// Lets the handler of GET /api/hangs return.
   void let_go() { hanging_.set_value(); }
-  /// How many of these there were at once.
+  /// The most such handlers that ran at once.
   int most_hanging() const { return most_hanging_; }
 
  private:

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::http_test {
 namespace {
 
 TEST(HttpTest, AnOriginMustBeTheHost) {
@@ -51,4 +51,4 @@ TEST(NetworkOf, IsTheHalfOfAnIpv6Address) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::http_test

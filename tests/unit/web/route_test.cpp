@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::route_test {
 namespace {
 
 using testing::HasSubstr;
@@ -44,7 +44,7 @@ TEST(Route, JsonThatTakesMuchMemoryIsRefused) {
     while (text.size() < bytes) text += "," + what;
     return text + "]";
   };
-  // Whatever fits into a request; a few bytes of it take a hundred.
+  // Everything that fits into a request. A few bytes of JSON can take a hundred bytes of memory.
   for (const char* what : {"0", "\"\"", "[]", "{}", "{\"\":0}"})
     EXPECT_NO_THROW(parse_json(list_of(what, 300'000)));
   EXPECT_NO_THROW(parse_json(list_of("\"" + std::string(1000, 'x') + "\"", kMaxBodyBytes)));
@@ -63,4 +63,4 @@ TEST(Route, TextThatIsNotUtf8IsReplaced) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::route_test

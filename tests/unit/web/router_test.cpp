@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-namespace sslv {
+namespace sslv::router_test {
 namespace {
 
 using testing::AllOf;
@@ -73,7 +73,7 @@ TEST_F(RouterTest, AnswersWithWhatHandlersMake) {
                                                       HasSubstr("Cache-Control: no-store\r\n")));
   EXPECT_EQ(ask("GET", "/api/file/x").body, "\x01\x02\x03");
   EXPECT_EQ(Json::parse(ask("PUT", "/api/names/Nacht%20%C3%A4%2B+").body)["name"], "Nacht ä++");
-  EXPECT_EQ(Json::parse(ask("PUT", "/api/names/a%2Fb").body)["name"], "a/b");  // for the handler to refuse
+  EXPECT_EQ(Json::parse(ask("PUT", "/api/names/a%2Fb").body)["name"], "a/b");  // the handler must refuse it
 }
 
 TEST_F(RouterTest, MonitoringGetsPlainTextThatNobodyKeeps) {
@@ -254,7 +254,7 @@ TEST_F(RouterTest, WritesFromOtherSitesAreRefused) {
   const std::string foreign = "Origin: http://evil.example\r\n";
   EXPECT_EQ(ask("PATCH", "/api/settings", "[1]", foreign).status, 403);
   EXPECT_EQ(daemon_.last_author(), "");
-  // The browser keeps it from the other site.
+  // The browser hides the answer from the other site.
   EXPECT_EQ(ask("GET", "/api/settings", "", foreign).status, 200);
 }
 
@@ -271,7 +271,7 @@ TEST_F(RouterTest, ServesThePanel) {
               AllOf(HasSubstr("Content-Type: text/javascript\r\n"), HasSubstr("immutable\r\n")));
 
   for (const char* missing :
-       {"/nothing.js", "/assets", "/assets/nothing.js", "/secret.txt", "//etc/passwd", "/panel/index.html",
+       {"/nothing.js", "/assets/", "/assets/nothing.js", "/secret.txt", "//etc/passwd", "/panel/index.html",
         "/../secret.txt", "/%2e%2e/secret.txt", "/assets/..%2f..%2fsecret.txt", "/..", "*",
         "http://example.org/", "/%2e%2e%2fsecret.txt", "/assets/%2e%2e/%2e%2e/secret.txt",
         "/assets/..%5c..%5csecret.txt", "/%252e%252e/secret.txt", "/..;/secret.txt"}) {
@@ -379,4 +379,4 @@ TEST_F(RouterTest, NothingIsMultipliedOrUnpackedForAClient) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::router_test

@@ -19,14 +19,14 @@
 #include <turbojpeg.h>
 #include <unistd.h>
 
-namespace sslv {
+namespace sslv::server_test {
 namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// A plain TCP client. Reading throws when nothing comes, so that a fault fails and does not hang.
+/// A plain TCP client. Reading throws on timeout, so that a failing test does not hang.
 class Client {
  public:
   explicit Client(std::uint16_t port, int receive_buffer_bytes = 0) : fd_(::socket(AF_INET, SOCK_STREAM, 0)) {
@@ -50,7 +50,7 @@ class Client {
   void send(std::string_view bytes) {
     while (!bytes.empty()) {
       const ssize_t sent = ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-      if (sent <= 0) return;  // the server may have closed already; what it said is read below
+      if (sent <= 0) return;  // the server may have closed already; its answer is read below
       bytes.remove_prefix(static_cast<std::size_t>(sent));
     }
   }
@@ -72,7 +72,7 @@ class Client {
     return read(end + 4);
   }
 
-  /// All that comes before the server closes.
+  /// All bytes until the server closes.
   std::string read_to_end() {
     while (receive()) {
     }
@@ -128,7 +128,7 @@ std::string upgrade_text(const std::string& more_headers = {}) {
                           more_headers);
 }
 
-/// A viewer: RFC 6455 as far as the tests need it.
+/// A WebSocket viewer: as much of RFC 6455 as the tests need.
 class Viewer {
  public:
   explicit Viewer(std::uint16_t port, int receive_buffer_bytes = 0) : client_(port, receive_buffer_bytes) {
@@ -175,7 +175,7 @@ class Viewer {
     std::string jpeg;
   };
 
-  /// The next message, which must be a picture.
+  /// The next message, which must be an image.
   Picture read_picture() {
     const Message message = read();
     if (!message.is_binary) throw std::runtime_error("a text came and no picture: " + message.bytes);
@@ -193,7 +193,7 @@ class Viewer {
   }
 
  private:
-  /// Masked with zeros, which leaves the text as it is.
+  /// Masked with zeros, which does not change the text.
   static std::string frame(int first_byte, const std::string& payload) {
     std::string out(1, static_cast<char>(first_byte));
     if (payload.size() < 126) {
@@ -379,7 +379,7 @@ TEST_F(ServerTest, TooLargeRequestsAreRefused) {
 
 TEST_F(ServerTest, NobodyListensToMuchOfWhoMayNotChangeAnything) {
   daemon_.passwords().set(Role::kAdmin, "correct horse");
-  Client large(server_.port());  // of whose body nothing comes
+  Client large(server_.port());  // its body never comes
   large.send("POST /api/session HTTP/1.1\r\nHost: test\r\nContent-Length: 16385\r\n\r\n");
   EXPECT_THAT(large.read_to_end(), AllOf(StartsWith("HTTP/1.1 401"),
                                          HasSubstr("sign in with the admin's password first"), kIsSecured));
@@ -398,9 +398,8 @@ TEST_F(ServerTest, NobodyListensToMuchOfWhoMayNotChangeAnything) {
 
 TEST_F(ServerTest, AnswersThatNobodyTakesHaveALimit) {
   constexpr std::size_t kBytes =
-      6 * 1024 * 1024;  // more than the system takes for a client that reads nothing
-  constexpr int kClients = 40,
-                kMostWaiting = static_cast<int>(Connections::kMaxUnsentBytesOfTrusted / kBytes);
+      6 * 1024 * 1024;  // more than the kernel buffers for a client that reads nothing
+  constexpr int kClients = 40, kMaxWaiting = static_cast<int>(Connections::kMaxUnsentBytesOfTrusted / kBytes);
   daemon_.set_file(std::vector<std::uint8_t>(kBytes, 7));
   {
     std::vector<std::unique_ptr<Client>> slow;
@@ -408,8 +407,8 @@ TEST_F(ServerTest, AnswersThatNobodyTakesHaveALimit) {
       slow.push_back(std::make_unique<Client>(server_.port(), 4096));
       slow.back()->send(request_text("GET", "/api/file/table"));
     }
-    // Each was refused, or closed for another one, but for those that wait now.
-    EXPECT_TRUE(test::becomes([&] { return counters_.unsent >= kClients - kMostWaiting; }))
+    // All but those that wait now were refused, or closed in favour of another.
+    EXPECT_TRUE(test::becomes([&] { return counters_.unsent >= kClients - kMaxWaiting; }))
         << counters_.unsent;
     Client monitoring(server_.port());
     EXPECT_EQ(ask(monitoring, "GET", "/healthz").status, 200);
@@ -422,20 +421,20 @@ TEST_F(ServerTest, AnswersThatNobodyTakesHaveALimit) {
 
 TEST_F(ServerTest, BodiesThatDoNotComeHaveALimit) {
   constexpr int kClients = 40,
-                kMostWaiting = static_cast<int>(Connections::kMaxUnsentBytesOfTrusted / kMaxBodyBytes);
+                kMaxWaiting = static_cast<int>(Connections::kMaxUnsentBytesOfTrusted / kMaxBodyBytes);
   std::vector<std::unique_ptr<Client>> half;
   for (int i = 0; i < kClients; ++i) {
     half.push_back(std::make_unique<Client>(server_.port()));
     half.back()->send("PATCH /api/settings HTTP/1.1\r\nHost: test\r\nContent-Length: " +
                       std::to_string(kMaxBodyBytes) + "\r\n\r\n[1");
   }
-  EXPECT_TRUE(test::becomes([&] { return counters_.unsent >= kClients - kMostWaiting; })) << counters_.unsent;
+  EXPECT_TRUE(test::becomes([&] { return counters_.unsent >= kClients - kMaxWaiting; })) << counters_.unsent;
   Client monitoring(server_.port());
   EXPECT_EQ(ask(monitoring, "GET", "/healthz").status, 200);
   half.clear();
   EXPECT_TRUE(test::becomes([&] { return counters_.connections == 1; }));
   const std::string body = "[1" + std::string(kMaxBodyBytes - 3, ' ') + "]";
-  for (int i = 0; i < 2 * kMostWaiting; ++i)
+  for (int i = 0; i < 2 * kMaxWaiting; ++i)
     ASSERT_EQ(ask(monitoring, "PATCH", "/api/settings", "", body).status, 200) << i;
 }
 
@@ -454,7 +453,7 @@ TEST_F(ServerTest, ViewersThatTakeNothingLeaveRoomForOthers) {
   }));
   Viewer quick(server_.port());
   quick.send(R"({"subscribe": ["detections"], "preview": {"camera": 0, "fps": 1000}})");
-  // Some are skipped until a slow viewer is closed.
+  // Some frames are skipped until a slow viewer is closed.
   const std::jthread publisher([&](const std::stop_token& stop) {
     for (; !stop.stop_requested(); std::this_thread::sleep_for(std::chrono::milliseconds(1)))
       daemon_.publish(++frame, large);
@@ -603,7 +602,7 @@ TEST_F(ServerTest, AnAddressThatCannotBeListenedOnIsOneClearLine) {
   EXPECT_THAT(refusal(elsewhere), StartsWith("/panel/address: \"localhost\" is not allowed"));
 }
 
-/// As the panel does when a password is set: clients that have connected meanwhile are served.
+/// Moves as when a password is set in the panel: clients that connected meanwhile are served.
 TEST_F(ServerTest, ItMovesWithoutLosingThoseThatWait) {
   struct SlowHost : FakeHost {
     bool is_trusted(const std::string& address) override {
@@ -669,7 +668,7 @@ TEST_F(ServerTest, StatusIsSentToThoseWhoWantIt) {
   EXPECT_EQ(counters_.viewers, 2);
 }
 
-/// The daemon's views, of cameras that a test says.
+/// The daemon's views, with the camera ids that a test gives.
 class ViewsOf : public ViewSource {
  public:
   using Ids = std::function<std::vector<std::uint32_t>()>;
@@ -687,7 +686,7 @@ class ViewsOf : public ViewSource {
 
 TEST_F(ServerTest, StatusGoesOnWhenACameraIsRemovedBetweenTwoLooks) {
   std::atomic<int> looks = 0;
-  // Camera 1 is there when the ids are asked for, and gone when its feed is.
+  // Camera 1 exists when the ids are requested, and is gone when its feed is.
   ViewsOf views(daemon_, [&] {
     return looks++ % 3 == 0 ? std::vector<std::uint32_t>{0, 1} : std::vector<std::uint32_t>{0};
   });
@@ -716,7 +715,7 @@ TEST_F(ServerTest, StatusGoesOnWhateverALookThrows) {
   }
 }
 
-/// Threads that are started while this lives do not: there is no memory for their stacks.
+/// While it exists, no thread can start: there is no memory for its stack.
 class NoMoreThreads {
  public:
   NoMoreThreads() {
@@ -742,7 +741,7 @@ TEST_F(ServerTest, StatusGoesOnWhenAThreadCannotStart) {
     for (int i = 0; i < 3; ++i) EXPECT_EQ(viewer.read_json()["topic"], "status");
     other.send(R"({"preview": {"camera": 0}})");
     EXPECT_THAT(to_text(other.read_json()), StartsWith("{\"error\":"));
-    other.send(R"({"unsubscribe": ["detections"]})");  // of feeds that are not there
+    other.send(R"({"unsubscribe": ["detections"]})");  // feeds that do not exist
     other.synchronise();
   }
   while (viewer.read_json()["topic"] != "detections") {
@@ -840,7 +839,7 @@ TEST_F(ServerTest, ALabelledPictureComesToThoseWhoAskForIt) {
   EXPECT_EQ(plain.read_picture().header["picture"], "camera");
   EXPECT_EQ(daemon_.drawings(), 0);
 
-  // Wider than its cells: no picture is scaled up. The header's size stays that of the camera's picture.
+  // Wider than the cells: images are not scaled up. The header keeps the size of the camera's image.
   labels.send(R"({"preview": {"camera": 0, "width": 50, "picture": "labels", "fps": 1000}})");
   const Viewer::Picture picture = labels.read_picture();
   EXPECT_EQ(picture.header["picture"], "labels");
@@ -858,7 +857,7 @@ TEST_F(ServerTest, ALabelledPictureComesToThoseWhoAskForIt) {
 TEST_F(ServerTest, ALabelledPictureIsMadeOnceForAllWhoWantItAlike) {
   daemon_.publish(1);
   std::vector<std::unique_ptr<Viewer>> viewers;
-  for (const int width : {32, 33, 40, 50, 64, 640}) {  // all the same once not scaled up
+  for (const int width : {32, 33, 40, 50, 64, 640}) {  // all equal, because images are not scaled up
     viewers.push_back(std::make_unique<Viewer>(server_.port()));
     viewers.back()->send(R"({"preview": {"camera": 0, "fps": 1000, "picture": "labels", "width": )" +
                          std::to_string(width) + "}}");
@@ -866,7 +865,7 @@ TEST_F(ServerTest, ALabelledPictureIsMadeOnceForAllWhoWantItAlike) {
   }
   const int drawings = daemon_.drawings();
   const std::uint64_t encoded = counters_.jpegs_encoded;
-  // All are due for the next frame when it comes: an acknowledgement is read before what is sent after it.
+  // All viewers are due for the next frame: the server reads an acknowledgement before what is sent after it.
   for (const auto& viewer : viewers) {
     viewer->acknowledge(1);
     viewer->synchronise();
@@ -899,7 +898,7 @@ TEST_F(ServerTest, RegionsComeToThoseWhoAskForThem) {
   EXPECT_EQ(to_text(picture.header["regions"]), R"({"labels":["orange"],"boxes":[[0,1,2,3,4,5]],"total":1})");
   EXPECT_THAT(picture.jpeg, AllOf(StartsWith("\xff\xd8\xff"), testing::EndsWith("\xff\xd9")));
 
-  // Both are due for the next frame when it comes: they share its JPEG and not its header.
+  // Both viewers are due for the next frame: they share its JPEG and not its header.
   const std::uint64_t encoded = counters_.jpegs_encoded;
   for (Viewer* viewer : {&plain, &regions}) {
     viewer->acknowledge(1);
@@ -918,7 +917,7 @@ TEST_F(ServerTest, RegionsComeToThoseWhoAskForThem) {
   EXPECT_EQ(regions.read_picture().header["regions"], nullptr);
 }
 
-/// A client of stream.mjpg, whose head is read already.
+/// A client of stream.mjpg that has read the response's header.
 class StreamClient : public Client {
  public:
   explicit StreamClient(std::uint16_t port, const std::string& query = "", int receive_buffer_bytes = 0)
@@ -973,7 +972,7 @@ TEST_F(ServerTest, AStreamEndsWithTheServer) {
 }
 
 TEST_F(ServerTest, ASlowStreamSkipsPicturesAndDelaysNobody) {
-  daemon_.publish_noise(1);  // larger than what fits between server and client
+  daemon_.publish_noise(1);  // larger than the buffers between server and client
   StreamClient slow(server_.port(), "?width=16384&quality=100&fps=1000", 4096);
   Viewer quick(server_.port());
   quick.send(R"({"subscribe": ["detections"]})");
@@ -986,7 +985,7 @@ TEST_F(ServerTest, ASlowStreamSkipsPicturesAndDelaysNobody) {
   const std::string first = slow.read_jpeg();
   EXPECT_GT(first.size(), std::size_t{512} * 1024);
   slow.read_jpeg();
-  EXPECT_EQ(counters_.jpegs_encoded, 2);  // all others were skipped
+  EXPECT_EQ(counters_.jpegs_encoded, 2);  // all other frames were skipped
 }
 
 TEST_F(ServerTest, TheNextPictureComesOnlyAfterTheAcknowledgement) {
@@ -995,12 +994,12 @@ TEST_F(ServerTest, TheNextPictureComesOnlyAfterTheAcknowledgement) {
   daemon_.publish(1);
   EXPECT_EQ(viewer.read_picture().header["frame"], 1);
 
-  // Pictures go out before detections of the same frame, and here only detections come.
+  // An image is sent before detections of the same frame, and here only detections come.
   viewer.send(R"({"subscribe": ["detections"]})");
   EXPECT_EQ(viewer.read_json()["data"]["frame"], 1);
   daemon_.publish(2);
   EXPECT_EQ(viewer.read_json()["data"]["frame"], 2);
-  viewer.acknowledge(77);  // another picture's
+  viewer.acknowledge(77);  // of another image
   daemon_.publish(3);
   EXPECT_EQ(viewer.read_json()["data"]["frame"], 3);
   EXPECT_EQ(counters_.jpegs_encoded, 1);
@@ -1019,9 +1018,9 @@ TEST_F(ServerTest, PicturesComeNoMoreOftenThanWished) {
   viewer.send(R"({"subscribe": ["detections"]})");
   EXPECT_EQ(viewer.read_json()["data"]["frame"], 1);
   daemon_.publish(2);
-  EXPECT_EQ(viewer.read_json()["data"]["frame"], 2);  // and no picture before
+  EXPECT_EQ(viewer.read_json()["data"]["frame"], 2);  // and no image before
 
-  viewer.send(R"({"preview": {"camera": 0, "fps": 1000}})");  // changed: due at once
+  viewer.send(R"({"preview": {"camera": 0, "fps": 1000}})");  // a changed request is due at once
   EXPECT_EQ(viewer.read_picture().header["frame"], 2);
 }
 
@@ -1037,7 +1036,7 @@ TEST_F(ServerTest, APictureIsEncodedOnceForAllWhoWantItAlike) {
     others.back()->read_picture();
   }
   const std::uint64_t before = counters_.jpegs_encoded;
-  // All are due for the next frame when it comes: an acknowledgement is read before what is sent after it.
+  // All viewers are due for the next frame: the server reads an acknowledgement before what is sent after it.
   viewer.acknowledge(1);
   viewer.synchronise();
   for (const auto& other : others) {
@@ -1076,7 +1075,7 @@ TEST_F(ServerTest, AFrameIsLetGoWhileItsPictureIsOnTheWay) {
 }
 
 TEST_F(ServerTest, ASlowViewerSkipsMessagesAndDelaysNobody) {
-  const Json large(std::string(400'000, 'x'));  // more than fits between the server and the slow viewer
+  const Json large(std::string(400'000, 'x'));  // more than the buffers between server and slow viewer hold
   Viewer slow(server_.port(), 4096), quick(server_.port());
   slow.send(R"({"subscribe": ["detections"]})");
   slow.synchronise();  // so that it is served before the quick one
@@ -1086,9 +1085,9 @@ TEST_F(ServerTest, ASlowViewerSkipsMessagesAndDelaysNobody) {
     daemon_.publish(frame, large);
     ASSERT_EQ(quick.read_json()["data"]["frame"], frame);
   }
-  EXPECT_EQ(slow.read_json()["data"]["frame"], 1);  // on its way since it was new
+  EXPECT_EQ(slow.read_json()["data"]["frame"], 1);  // its sending had begun
   EXPECT_EQ(slow.read_json()["data"]["frame"], 5);
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::server_test

@@ -12,7 +12,7 @@
 #include <gmock/gmock.h>
 #include <zlib.h>
 
-namespace sslv {
+namespace sslv::tar_file_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -30,7 +30,7 @@ std::string refusal(const std::string& bytes, std::size_t max_bytes = kPlenty) {
   return "none";
 }
 
-/// The reader takes packed ones only.
+/// Gzips a tar, because the reader takes only compressed ones.
 std::string packed(std::string tar) {
   std::string out(::compressBound(tar.size()) + 64, '\0');
   z_stream stream{};
@@ -44,7 +44,7 @@ std::string packed(std::string tar) {
   ::deflateEnd(&stream);
   return out;
 }
-/// Also of long names, which the reader does not take.
+/// Also reads long names, which our reader refuses.
 std::vector<TarEntry> read_any_tar(const std::string& tar) {
   const std::unique_ptr<archive, decltype(&archive_read_free)> in(archive_read_new(), archive_read_free);
   EXPECT_EQ(archive_read_support_format_tar(in.get()), ARCHIVE_OK);
@@ -59,7 +59,7 @@ std::vector<TarEntry> read_any_tar(const std::string& tar) {
   return entries;
 }
 
-/// A block of a tar, for what libarchive does not write.
+/// A header block of a tar, for what libarchive does not write.
 std::string record(const std::string& name, std::size_t size, char type, const std::string& at_386 = {}) {
   std::string head(512, '\0');
   const auto put = [&](std::size_t at, const std::string& text) { head.replace(at, text.size(), text); };
@@ -68,7 +68,7 @@ std::string record(const std::string& name, std::size_t size, char type, const s
   put(124, fmt::format("{:011o}", size));
   put(136, "00000000000");
   head[156] = type;
-  put(257, std::string("ustar  ", 8));  // GNU's
+  put(257, std::string("ustar  ", 8));  // GNU tar's
   put(386, at_386);
   put(148, "        ");
   unsigned sum = 0;
@@ -98,7 +98,7 @@ TEST(TarFile, GoesAroundAFileThatNobodyHolds) {
     EXPECT_EQ(read.back().name, name);
     EXPECT_EQ(read.back().content, content);
   }
-  // Above what the old format's twelve digits can say.
+  // Larger than the old format's twelve digits can express.
   EXPECT_LT(tar_around(kFiles, "large", 1'000'000'000'000, 0).before.size(), 200'000U);
 }
 
@@ -128,13 +128,13 @@ TEST(TarFile, ItsLimitIsThatOfAllFiles) {
 }
 
 TEST(TarFile, HolesAreNotFilled) {
-  // As GNU tar writes them: pieces with place and size, and the size of all.
+  // As GNU tar writes sparse files: offset and size of each piece, then the whole size.
   const auto piece = [](std::size_t at, std::size_t size) {
     return fmt::format("{:011o} {:011o} ", at, size);
   };
   const auto sparse = [&](const std::string& pieces, std::size_t held, std::size_t size) {
     std::string all = pieces;
-    all.resize(97, '\0');  // four of them
+    all.resize(97, '\0');  // room for four pieces
     return packed(record("sparse", held, 'S', all + fmt::format("{:011o}", size)) + std::string(held, 'x') +
                   std::string((512 - held % 512) % 512, '\0') + kEnd);
   };
@@ -150,7 +150,7 @@ TEST(TarFile, HolesAreNotFilled) {
   EXPECT_EQ(refusal(packed(record("whole", 5, '0') + "hello" + std::string(507, '\0') + kEnd)), "none");
   EXPECT_NE(refusal(packed(record("huge", large, '0') + kEnd)), "none");
 
-  // Newer ones say it in attributes, and the map stands before the content: libarchive keeps a list of it.
+  // Newer versions use attributes, and put the map before the content: libarchive keeps it as a list.
   std::string map = "100000\n";
   for (int i = 0; i < 100'000; ++i) map += "0\n0\n";
   map.resize((map.size() + 511) / 512 * 512, '\0');
@@ -186,4 +186,4 @@ TEST(TarFile, HeadersAreWhereLibarchiveFindsThem) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::tar_file_test

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Requests to the service's interface. Addresses are relative, so that the panel also works behind a proxy.
+// Requests to the service's API. URLs are relative, so that the panel also works behind a proxy.
 
-/** What the service refused, in its own words, or that it did not answer (status 0). */
+/** A refused request, with the service's own message, or a missing answer (status 0). */
 export class ApiError extends Error {
   constructor(readonly status: number, message: string, readonly body: unknown = null) {
     super(message);
   }
 }
 
-/** Long enough for a camera that is slow to answer, short enough to say that nothing comes. */
+/** Long enough for a slow camera, short enough to report that no answer comes. */
 const PATIENCE_MS = 15_000;
-/** For a file, which may be large and the network slow. */
+/** For uploads: the file may be large and the network slow. */
 const UPLOAD_PATIENCE_MS = 90_000;
 
-/** What a refusal means where nobody says it in words: a proxy in between, say. */
+/** Messages for errors without a text of their own, for example from a proxy. */
 const MEANING: Record<number, string> = {
   401: 'Sign in as admin first', 403: 'This is not allowed', 404: 'The service does not know this address', 413: 'This is too large for the service',
   423: 'The settings are locked during the match', 429: 'Too many requests: wait a moment, then try again',
@@ -24,8 +24,8 @@ export const errorText = (body: unknown, status: number): string =>
   typeof body === 'object' && body !== null && 'error' in body ? String(body.error) : MEANING[status] ?? `The service could not do this (error ${status})`;
 
 /**
- * Asked when a change is refused because somebody must sign in first (401) or a match runs (423). Says whether it is
- * worth trying again.
+ * Called when a change is refused because the user must sign in (401) or a match is running (423). Resolves to true if
+ * the request should be repeated.
  */
 let openDoor: (status: number) => Promise<boolean> = async () => false;
 export function onClosedDoor(ask: typeof openDoor): void { openDoor = ask; }
@@ -38,7 +38,7 @@ async function send(path: string, init: RequestInit): Promise<Response> {
   }
 }
 
-/** `doors`: refusals about which openDoor is asked. */
+/** `doors`: status codes for which openDoor is called. */
 async function ask(path: string, init: RequestInit, doors = [401, 423]): Promise<Response> {
   let answer = await send(path, init);
   const isChange = init.method !== undefined && init.method !== 'GET' && path !== 'session';
@@ -49,7 +49,7 @@ async function ask(path: string, init: RequestInit, doors = [401, 423]): Promise
 }
 
 async function request<T>(method: string, path: string, body?: unknown, headers: Record<string, string> = {}, doors?: number[]): Promise<T> {
-  // Where one may insist, the page itself asks whether to do so in a match.
+  // If the request can be forced, the page itself asks for confirmation during a match.
   const mayInsist = typeof body === 'object' && body !== null && 'force' in body;
   const answer = await ask(path, {
     method,
@@ -59,26 +59,26 @@ async function request<T>(method: string, path: string, body?: unknown, headers:
   return await answer.json().catch(() => null) as T;
 }
 
-/** Each throws ApiError. `path` is what follows "api/". */
+/** Every method throws ApiError. `path` is the part after "api/". */
 export const api = {
   get: <T>(path: string) => request<T>('GET', path),
   post: <T>(path: string, body?: unknown, headers: Record<string, string> = {}) => request<T>('POST', path, body, headers),
   put: <T>(path: string, body?: unknown) => request<T>('PUT', path, body),
-  /** As put, for a form that asks for the password itself: a wrong one is refused there. */
+  /** Like put, for a form that asks for the password itself and reports a wrong one. */
   putWithPassword: <T>(path: string, body: unknown) => request<T>('PUT', path, body, {}, []),
-  /** What a change would do. Asks for no password and no leave: nobody pressed a button for it. */
+  /** Previews a change. Opens no dialog for a password or the match lock, because the user pressed no button. */
   tryOut: <T>(path: string, body: unknown) => request<T>('POST', path, body, {}, []),
   patch: <T>(path: string, body: unknown, headers: Record<string, string> = {}) => request<T>('PATCH', path, body, headers),
   delete: <T>(path: string) => request<T>('DELETE', path),
-  /** An image that is made for this request. Asks for no password and no leave: nobody pressed a button for it. */
+  /** Renders an image for this request. Opens no dialog, because the user pressed no button. */
   image: async (path: string, body: unknown) => (await ask(path, {
     method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body),
   }, [])).blob(),
-  /** What is no JSON: an image, a table. */
+  /** Non-JSON answers: an image, a table. */
   blob: async (path: string) => (await ask(path, {})).blob(),
-  /** Sends a file as it is; `signal` ends that. */
+  /** Uploads a file unchanged; `signal` cancels the upload. */
   async upload<T>(path: string, file: Blob, headers: Record<string, string> = {}, signal?: AbortSignal): Promise<T> {
-    // AbortSignal.any() is too young for the browsers of some fields.
+    // AbortSignal.any() is too new for the browsers at some fields.
     const either = new AbortController();
     const end = () => either.abort();
     const timer = setTimeout(end, UPLOAD_PATIENCE_MS);
@@ -94,5 +94,5 @@ export const api = {
   },
 };
 
-/** What to tell somebody about whatever was thrown. */
+/** The error message of anything that was thrown. */
 export const messageOf = (error: unknown): string => (error instanceof Error ? error.message : String(error));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clips, their frames, comparisons, and moments of logs, by short names.
+// Short names for clips, their frames, comparisons, and moments of logs.
 import type { components } from './schema';
 
 type Schemas = components['schemas'];
@@ -17,5 +17,5 @@ export type Comparison = Schemas['Comparison'];
 export type CompareWith = Comparison['with'];
 export type ComparisonResult = NonNullable<Comparison['result']>;
 export type Difference = ComparisonResult['differences'][number];
-/** What a log knows of one moment: the newest of each source that is not old. */
+/** The state of a log at one moment: the newest message of each source, unless it is old. */
 export type LogMoment = Schemas['MatchMoment'];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { ApiError, errorText } from './client';
 
-/** Saves what `api/path` answers as a file. The service gives its name, else it has this one. Throws ApiError. */
+/** Saves the answer of `api/path` as a file, named by the service or else by `name`. Throws ApiError. */
 export async function saveFile(path: string, name: string): Promise<void> {
   const answer = await fetch(`api/${path}`, { cache: 'no-store' }).catch(() => { throw new ApiError(0, 'No answer from the service'); });
   if (!answer.ok) throw new ApiError(answer.status, errorText(await answer.json().catch(() => null), answer.status));
@@ -14,8 +14,8 @@ export async function saveFile(path: string, name: string): Promise<void> {
 }
 
 /**
- * Likewise of a file that is too large for the browser's memory. It asks whether the service gives it, then leaves it to the
- * browser, which shows how far it is. Throws ApiError.
+ * The same for a file that is too large for the browser's memory: checks that the service delivers it, then leaves the
+ * download and its progress display to the browser. Throws ApiError.
  */
 export async function saveLargeFile(path: string): Promise<void> {
   const enough = new AbortController();

@@ -21,7 +21,7 @@ function parseJson(text: string): Record<string, unknown> | null {
   }
 }
 
-/** A text from the daemon, or null for one this panel does not know (a newer daemon may send more). */
+/** Parses a text message; null for one this panel does not know (a newer daemon may send more). */
 export function parseText(text: string): ServerText | null {
   const message = parseJson(text);
   if (!message) return null;
@@ -36,7 +36,7 @@ export function parseText(text: string): ServerText | null {
 const LENGTH_BYTES = 4;
 const utf8 = new TextDecoder();
 
-/** A preview: little-endian header length, JSON header, JPEG. Null when it is cut short or garbled. */
+/** Parses a preview: little-endian header length, JSON header, JPEG. Null if truncated or malformed. */
 export function parsePreview(buffer: ArrayBuffer): PreviewMessage | null {
   if (buffer.byteLength < LENGTH_BYTES) return null;
   const headerLength = new DataView(buffer).getUint32(0, true);

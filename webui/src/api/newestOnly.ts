@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /**
- * Sends values one after the other. While one value of a name is on its way, only the newest of the others is kept and
- * sent: a slider may be dragged faster than a camera answers.
+ * Sends values one after the other. While a request is pending, only the newest value of each name is kept: a slider
+ * may move faster than a camera answers.
  */
 export function newestOnly<T>(send: (name: string, value: T) => Promise<void>, atRest: () => void) {
   const waiting = new Map<string, T>();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One WebSocket to the daemon that comes back by itself.
+// One WebSocket to the daemon that reconnects automatically.
 import { backoffMs } from './backoff';
 import { parsePreview, parseText, type PreviewMessage, type ServerText } from './messages';
 import type { ClientMessage } from './types';
@@ -11,7 +11,7 @@ export interface SocketEvents {
   closed(): void;
 }
 
-/** The daemon speaks twice a second; a connection this silent is dead, even if TCP has not noticed. */
+/** The daemon sends twice a second; a connection this silent is dead, even if TCP has not noticed. */
 const SILENCE_MS = 6000;
 /** Over a link that is known to be slow, one image may take this long. */
 const SLOW_SILENCE_MS = 15_000;
@@ -28,7 +28,7 @@ export class PanelSocket {
     this.watchdog = setInterval(() => this.checkSilence(), 1000);
   }
 
-  /** For good. */
+  /** Closes the connection for good. */
   end(): void {
     this.ended = true;
     clearInterval(this.watchdog);
@@ -39,7 +39,7 @@ export class PanelSocket {
     return this.socket?.readyState === WebSocket.OPEN;
   }
 
-  /** When anything came last, on the browser's monotonic clock; of a new connection, when it was asked for. */
+  /** Time of the last message on the browser's monotonic clock, ms; for a new connection, of the connection attempt. */
   get heardAt(): number { return this.lastMessage; }
 
   send(message: ClientMessage): void {
@@ -78,7 +78,7 @@ export class PanelSocket {
   private checkSilence(): void {
     const socket = this.socket;
     if (!socket || performance.now() - this.lastMessage < (this.isSlow() ? SLOW_SILENCE_MS : SILENCE_MS)) return;
-    // close() on a dead link waits long for its answer, so the link is given up first.
+    // On a dead link, close() waits long for its answer, so the loss is reported first.
     this.lost(socket);
     socket.close();
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The daemon's objects by short names. What is in them comes from docs/openapi.json, by `npm run types`.
+// Short names for the daemon's objects, which `npm run types` generates from docs/openapi.json.
 import type { components } from './schema';
 
 type Schemas = components['schemas'];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A new camera in the settings.
+// Adds a camera to the settings.
 import { valueAt, type Json } from '../settings/pointer';
 import { save, type Outcome } from '../state/settings';
 
@@ -8,7 +8,7 @@ export const idsOf = (tree: Json) => {
   return (Array.isArray(cameras) ? cameras : []).map((camera) => valueAt(camera, '/id'));
 };
 
-/** The lowest id that no camera has. */
+/** The lowest unused camera id. */
 export function freeId(tree: Json): number {
   const taken = idsOf(tree);
   let id = 0;
@@ -18,7 +18,7 @@ export function freeId(tree: Json): number {
 
 export interface Added { outcome: Outcome; id: number }
 
-/** Saves one more camera. `settings`: its part of the tree but for the id. */
+/** Saves one more camera. `settings`: its settings except the id. */
 export async function addCamera(settings: (tree: Json) => Json): Promise<Added> {
   let id = 0;
   const outcome = await save((tree) => {
@@ -28,10 +28,10 @@ export async function addCamera(settings: (tree: Json) => Json): Promise<Added> 
   return { outcome, id };
 }
 
-/** Refused before it is sent: what is neither a JPEG nor a PNG by its name. */
+/** Only names of JPEG and PNG files may be uploaded. */
 export const isImageName = (name: string) => /\.(jpe?g|png)$/i.test(name);
 
-/** A name for a folder of images of this moment, such as "images 2026-11-25 14.03.07". */
+/** Name of a folder for images uploaded now, such as "images 2026-11-25 14.03.07". */
 export function folderName(now: Date): string {
   const two = (value: number) => String(value).padStart(2, '0');
   return `images ${now.getFullYear()}-${two(now.getMonth() + 1)}-${two(now.getDate())} ${two(now.getHours())}.${two(now.getMinutes())}.${two(now.getSeconds())}`;

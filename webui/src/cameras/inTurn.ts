@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The service opens one camera of a kind at a time: those that wait here cannot run out of its patience.
+// Runs tasks one after the other. The service opens one camera of a kind at a time; requests that wait here cannot time
+// out there.
 let queue: Promise<unknown> = Promise.resolve();
 
 export function inTurn<T>(work: () => Promise<T>): Promise<T> {

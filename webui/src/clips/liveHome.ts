@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 import { ref } from 'vue';
 
-/** The live page from which somebody went back in time, as an address of the panel; empty: they came another way. */
+/** Panel address of the live page from which the user went back in time; empty: they came another way. */
 export const liveHome = ref('');

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { expect, it, vi } from 'vitest';
 
-// The router looks at the address of a browser.
+// The router reads the browser's address.
 vi.stubGlobal('location', { hash: '' });
 vi.stubGlobal('addEventListener', () => {});
 vi.mock('../router', () => ({ link: (name: string, argument?: string) => (argument === undefined ? `#/${name}` : `#/${name}/${argument}`) }));

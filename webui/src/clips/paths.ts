@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Addresses of clips: of the service, and of the panel.
+// Addresses of clips in the API and in the panel.
 import type { CompareWith } from '../api/types';
 import { link } from '../router';
 
 export const clipPath = (name: string): string => `recordings/clips/${encodeURIComponent(name)}`;
 
-/** The player's page; with a comparison, the player starts it. */
+/** Link to the player; with `compare`, the player starts that comparison. */
 export function clipLink(name: string, camera?: number, compare?: CompareWith): string {
   const more = [...(camera === undefined ? [] : [camera]), ...(camera === undefined || !compare ? [] : [compare])];
   return link('recordings', ['clips', encodeURIComponent(name), ...more].join('/'));
@@ -19,7 +19,7 @@ export interface PlayerAddress {
   compare: CompareWith | null;
 }
 
-/** What an address behind "recordings/" asks to play; null: nothing. */
+/** What an address after "recordings/" plays; null: nothing. */
 export function playerAddress(path: string): PlayerAddress | null {
   const [kind, name, camera = '', compare = ''] = path.split('/');
   if ((kind !== 'clips' && kind !== 'logs') || !name) return null;
@@ -27,7 +27,7 @@ export function playerAddress(path: string): PlayerAddress | null {
   try {
     plain = decodeURIComponent(name);
   } catch {
-    // Garbled: the service will not know it.
+    // Malformed: the service will not know the name.
   }
   return {
     kind, name: plain, camera: /^\d+$/.test(camera) ? Number(camera) : null,

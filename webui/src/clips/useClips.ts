@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The last seconds in memory and the clips of them, kept up to date, and what can be asked of them.
+// The last seconds in memory and their clips, polled, with the commands for them.
 import { computed, ref, shallowRef } from 'vue';
 import { api, ApiError, messageOf } from '../api/client';
 import type { Clips } from '../api/types';
 import { usePolling } from '../state/usePolling';
 import { clipPath } from './paths';
 
-/** So often it is asked while a clip is written, as somebody waits for it. */
+/** Polling interval while a clip is written, because the user is waiting for it. */
 const WRITING_MS = 400;
 
 export interface KeepRequest {
@@ -15,11 +15,11 @@ export interface KeepRequest {
   name?: string;
 }
 
-/** Asked every `period_ms`. */
+/** Polls every `period_ms`. */
 export function useClips(period_ms: number) {
   const state = shallowRef<Clips | null>(null);
   const isBusy = ref(false);
-  /** The service keeps no last seconds: it is an older one. */
+  /** An older service that keeps no last seconds. */
   const isUnknown = ref(false);
   let newest = 0;
   async function look(ask: () => Promise<Clips>): Promise<Clips> {
@@ -30,7 +30,7 @@ export function useClips(period_ms: number) {
   }
   const ask = () => look(() => api.get<Clips>('recordings/clips'));
   let lastAt = -Infinity;
-  /** What went wrong the last time stays wrong until the next answer. */
+  /** Error of the last request, kept until the next answer. */
   let wrong: unknown = null;
   const trouble = usePolling(async () => {
     const isDue = performance.now() - lastAt > period_ms - WRITING_MS / 2;
@@ -73,24 +73,24 @@ const pause = (ms: number) => new Promise<void>((resolve) => { setTimeout(resolv
 
 /** Keeps a clip and waits until it is written. */
 export function useKeeping() {
-  /** Images so far; null: nothing is being kept. */
+  /** Images written so far; null: no clip is being kept. */
   const written = ref<number | null>(null);
   const error = ref('');
   return {
     written, error,
-    /** The clip's name; null: it failed, and `error` says why. */
+    /** Returns the clip's name; null: it failed, and `error` says why. */
     async keep(request: KeepRequest): Promise<string | null> {
       if (written.value !== null) return null;
       error.value = '';
       written.value = 0;
       try {
         let { clip } = await api.post<Clips>('recordings/clips', request);
-        // Until the service has begun, the clip's name is that of the one before.
+        // Until the service starts writing, the name is that of the previous clip.
         while (clip.state === 'writing') {
           written.value = clip.frames;
           await pause(LOOK_MS);
           clip = (await api.get<Clips>('recordings/clips').catch((reason) => {
-            // A link may fail for a moment; the clip is written all the same.
+            // The link may fail for a moment; the clip is still being written.
             if (reason instanceof ApiError && reason.status === 0) return { clip };
             throw reason;
           })).clip;

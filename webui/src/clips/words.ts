@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the panel says about the last seconds and about clips.
+// Texts about the last seconds and about clips.
 import type { Clip, ClipNow, LastSeconds } from '../api/types';
 import { bytes } from '../bytes';
 import { figure, plural } from '../format';
 import { dayAndTime, readName } from '../pages/recordings/names';
 
-/** "6.2", "10": seconds as people say them. */
+/** Seconds as a text: "6.2", "10". */
 export const secondsText = (seconds: number): string => (seconds < 9.95 ? String(Math.round(seconds * 10) / 10) : String(Math.round(seconds)));
 
-/** As far back as every camera reaches, s; 0: nothing is in memory. */
+/** Duration that every camera has in memory, s; 0: nothing. */
 export function reach({ cameras }: LastSeconds): number {
   return cameras.length ? Math.min(...cameras.map(({ seconds }) => seconds)) : 0;
 }
-/** As far back as the camera that reaches farthest. */
+/** Duration in memory of the camera that reaches farthest back, s. */
 export const farthest = ({ cameras }: LastSeconds): number => Math.max(0, ...cameras.map(({ seconds }) => seconds));
 
-/** How far "Go back" and "Keep" go: as far as is wished, or as there is; whole seconds. */
+/** Duration for "Go back" and "Keep", whole seconds: `wished`, or less if less is in memory. */
 export function goBackSeconds(last: LastSeconds, wished: number, camera?: number): number {
   const there = camera === undefined ? farthest(last) : last.cameras.find(({ id }) => id === camera)?.seconds ?? 0;
   return Math.min(wished, there < 1 ? 0 : Math.floor(there + 0.05));
@@ -37,7 +37,7 @@ const ordinal = (n: number) => `${n}${n % 100 >= 11 && n % 100 <= 13 ? 'th' : ['
 export const memoryText = ({ memory_bytes, wanted_bytes }: LastSeconds): string =>
   (wanted_bytes > memory_bytes ? `${bytes(memory_bytes)}; ${bytes(wanted_bytes)} needed for all` : bytes(memory_bytes));
 
-/** Images that never came into memory. */
+/** Number of images that were never stored in memory. */
 export const droppedOf = ({ cameras }: LastSeconds): number => cameras.reduce((sum, { dropped }) => sum + dropped, 0);
 
 /** "Keeping… 420 images" */
@@ -48,7 +48,7 @@ export function clipNowText({ state, name, frames, bytes: size, error }: ClipNow
   return state === 'failed' ? `The clip could not be kept: ${error || 'the service does not say why'}` : '';
 }
 
-/** "Look back": the name that a clip was given. */
+/** The name that a clip was given: "Look back". */
 export function clipTitle(name: string): string {
   const { title } = readName(name);
   return title === 'Match log' ? 'Clip' : title.charAt(0).toUpperCase() + title.slice(1);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /**
- * Puts text on the clipboard; false when the browser refuses. The newer navigator.clipboard exists only over https,
- * which a field's network rarely has.
+ * Copies a text to the clipboard; false if the browser refuses. The newer navigator.clipboard needs HTTPS, which a
+ * field's network rarely has.
  */
 export function copyText(text: string): boolean {
   const field = document.createElement('textarea');

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// A series over the last minute as an SVG path.
+// The last minute of a series as an SVG path.
 import { HISTORY_MS } from '../state/history';
 
-/** A hole longer than this is left open: nothing was measured there. */
+/** Longer gaps are left open: nothing was measured there. */
 const HOLE_MS = 3000;
 
 export interface Plane {
   width: number;
   height: number;
-  /** The value at the upper edge; the lower one is zero. */
+  /** Value at the upper edge; the lower edge is zero. */
   top: number;
 }
 
@@ -48,7 +48,7 @@ export interface Axis {
 
 const MOST_STEPS = 4;
 
-/** An axis from zero past a value, with few ticks at round numbers. */
+/** An axis from zero to at least `value`, with few ticks at round numbers. */
 export function axisFor(value: number): Axis {
   const least = Math.max(value, 1e-6) / MOST_STEPS;
   const power = 10 ** Math.floor(Math.log10(least));

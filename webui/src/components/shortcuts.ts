@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// The keys that do something now. What is listed here is both what the keyboard does and what the dialog shows.
+// The keyboard shortcuts that are active now: one list for both the key handler and the dialog.
 import { ref, shallowReactive } from 'vue';
 
 export interface Shortcut {
-  /** As KeyboardEvent.key says, letters in lower case. Several mean the same, or the action looks which it is. */
+  /** KeyboardEvent.key values, letters in lower case. Several are synonyms, or the action distinguishes them. */
   keys: readonly string[];
-  /** What it does, for the dialog. */
+  /** Description for the dialog. */
   text: string;
   act: (event: KeyboardEvent) => void;
   /** With Ctrl, or Cmd on a Mac. */
   ctrl?: boolean;
-  /** Only with Shift, or only without; left out: either. */
+  /** Required state of Shift; undefined: either. */
   shift?: boolean;
-  /** The key has no meaning while this is false, such as to cancel nothing. */
+  /** The key is ignored while this returns false, for example "cancel" without anything to cancel. */
   when?: (event: KeyboardEvent) => boolean;
 }
 
-/** Where shortcuts work: the whole page, or one element that has the focus. */
+/** Shortcuts of the whole page or of one element that has the focus. */
 export interface ShortcutGroup {
   title: string;
   shortcuts: readonly Shortcut[];
 }
 
-/** The dialog that lists them is shown. */
+/** Whether the dialog that lists the shortcuts is open. */
 export const isListOpen = ref(false);
 
 const groups = shallowReactive<ShortcutGroup[]>([]);
@@ -32,7 +32,7 @@ export function addGroup(group: ShortcutGroup): () => void {
   return () => { groups.splice(groups.indexOf(group), 1); };
 }
 
-/** What the dialog lists: groups of one title together, and each text once. */
+/** The dialog's list: groups with the same title merged, each text once. */
 export function listed(all: readonly ShortcutGroup[] = groups): ShortcutGroup[] {
   const out = new Map<string, Map<string, Shortcut>>();
   for (const { title, shortcuts } of all) {
@@ -49,7 +49,7 @@ const isTextField = (target: EventTarget | null) => target instanceof HTMLElemen
 
 type Pressed = Pick<KeyboardEvent, 'key' | 'ctrlKey' | 'metaKey' | 'altKey' | 'shiftKey'>;
 
-/** The shortcut that a press means. */
+/** The shortcut for a key press. */
 export function meant(shortcuts: readonly Shortcut[], event: Pressed): Shortcut | undefined {
   if (event.altKey) return undefined;
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
@@ -58,9 +58,9 @@ export function meant(shortcuts: readonly Shortcut[], event: Pressed): Shortcut 
     && (shift === undefined || shift === event.shiftKey) && (when?.(event as KeyboardEvent) ?? true));
 }
 
-/** Does what the press means, if anything. */
+/** Runs the shortcut for a key press; returns whether there is one. */
 export function press(shortcuts: readonly Shortcut[], event: KeyboardEvent): boolean {
-  // Who types means letters; what a dialog hides is not there.
+  // Keys are ignored while the user types or a dialog is open.
   if (event.defaultPrevented || isTextField(event.target) || document.querySelector('dialog[open]')) return false;
   const shortcut = meant(shortcuts, event);
   if (!shortcut) return false;
@@ -73,6 +73,6 @@ const NAMES: Record<string, string> = {
   ' ': 'Space', ArrowLeft: '←', ArrowRight: '→', ArrowUp: '↑', ArrowDown: '↓', Escape: 'Esc', Delete: 'Del', Backspace: '⌫',
 };
 
-/** The keys as they are printed on a keyboard. */
+/** Key labels as printed on a keyboard. */
 export const keyNames = ({ keys, ctrl, shift }: Shortcut): string[] =>
   keys.map((key) => [...(ctrl ? ['Ctrl'] : []), ...(shift ? ['Shift'] : []), NAMES[key] ?? (key.length === 1 ? key.toUpperCase() : key)].join(' '));

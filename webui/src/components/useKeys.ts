@@ -2,7 +2,7 @@
 import { onMounted, onUnmounted } from 'vue';
 import { addGroup, press, type Shortcut } from './shortcuts';
 
-/** Shortcuts while a component is there; they rest while somebody types. */
+/** Registers shortcuts while a component is mounted; they are inactive while the user types. */
 export function useKeys(title: string, shortcuts: readonly Shortcut[]): void {
   const onKey = (event: KeyboardEvent) => { press(shortcuts, event); };
   let remove = () => {};
@@ -16,7 +16,7 @@ export function useKeys(title: string, shortcuts: readonly Shortcut[]): void {
   });
 }
 
-/** Shortcuts of an element that has the focus: what comes back is its keydown handler. */
+/** Registers shortcuts of an element that has the focus. Returns its keydown handler. */
 export function useFocusKeys(title: string, shortcuts: readonly Shortcut[]): (event: KeyboardEvent) => boolean {
   let remove = () => {};
   onMounted(() => { remove = addGroup({ title, shortcuts }); });

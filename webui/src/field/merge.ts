@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One field out of what several cameras report.
+// Merges the reports of several cameras into one field.
 import type { Ball, Robot } from '../api/types';
 
 export type SeenRobot = Robot & { camera: number };
@@ -13,7 +13,7 @@ function merge<T extends { x: number; y: number; confidence: number; camera: num
   seen: T[],
   same: (a: T, b: T) => boolean,
 ): T[] {
-  // The camera's number decides between equals, so that the drawing does not flicker.
+  // The camera number breaks ties, so that the drawing does not flicker.
   const best = [...seen].sort((a, b) => b.confidence - a.confidence || a.camera - b.camera);
   const kept: T[] = [];
   for (const object of best) if (!kept.some((other) => same(other, object))) kept.push(object);
@@ -28,7 +28,7 @@ export function mergeRobots(seen: SeenRobot[]): SeenRobot[] {
     .sort((a, b) => (a.team === b.team ? a.id - b.id : a.team < b.team ? 1 : -1));
 }
 
-/** Two balls of one camera are two balls, however close they lie. */
+/** Two balls of one camera are never merged, however close they are. */
 export function mergeBalls(seen: SeenBall[]): SeenBall[] {
   return merge(seen, (a, b) => a.camera !== b.camera && near(a, b, SAME_BALL_MM));
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The league's camera model: quaternion (x, y, z, w) and translation take field to camera,
-// which looks along +z; one radial distortion term. Pixel centres are integers.
+// The league's camera model: quaternion (x, y, z, w) and translation transform field to camera coordinates; the camera
+// looks along +z; one radial distortion term. Pixel centres are integers.
 import type { CameraGeometry } from '../api/types';
 
 export interface Point {
@@ -16,7 +16,7 @@ type Matrix = readonly [number, number, number, number, number, number, number, 
 
 function rotation(c: CameraGeometry): Matrix {
   const { q0: x, q1: y, q2: z, q3: w } = c;
-  // Published quaternions are rounded; a unit one keeps the rotation a rotation.
+  // Published quaternions are rounded: normalise, so that the matrix is a rotation.
   const s = 2 / (x * x + y * y + z * z + w * w);
   return [
     1 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w),
@@ -41,7 +41,7 @@ export function distortRadius(ru: number, d: number): number | null {
 
 export class CameraModel {
   private readonly r: Matrix;
-  /** Where the camera stands on the field. */
+  /** Camera position in field coordinates, mm. */
   readonly position: Point3;
 
   constructor(private readonly c: CameraGeometry) {
@@ -53,7 +53,7 @@ export class CameraModel {
     };
   }
 
-  /** Field point to pixel; null when it is behind the camera or beyond what the lens model can show. */
+  /** Projects a field point, mm, to a pixel; null if it is behind the camera or beyond the lens model's range. */
   project(x: number, y: number, z: number): Point | null {
     const { r, c } = this;
     const pz = r[6] * x + r[7] * y + r[8] * z + c.tz;
@@ -67,7 +67,7 @@ export class CameraModel {
     return { x: ux * scale + c.principal_point_x, y: uy * scale + c.principal_point_y };
   }
 
-  /** Pixel to the point on the plane z = height; null when the ray does not meet it. */
+  /** Intersects a pixel's ray with the plane z = height; null if they do not meet. */
   unproject(pixelX: number, pixelY: number, height: number): Point | null {
     const { r, c, position } = this;
     const dx = (pixelX - c.principal_point_x) / c.focal_length;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The field's lines: its own, or from its sizes, as the league names and places them.
+// The field's lines: its own ones, or computed from its sizes, with the league's names and positions.
 import type { FieldSize } from '../api/types';
 import type { Point } from './cameraModel';
 
@@ -39,7 +39,7 @@ export function fieldLines(field: FieldSize): FieldLine[] {
   ];
 }
 
-/** Lines every metre over the field and its boundary, counted from the centre. */
+/** Lines every metre across the field and its boundary, measured from the centre. */
 export function gridLines(field: FieldSize, step = 1000): FieldLine[] {
   const a = field.field_length / 2 + field.boundary_width;
   const b = field.field_width / 2 + field.boundary_width;
@@ -64,11 +64,11 @@ export function fieldCurves(field: FieldSize): FieldArc[] {
   return [{ name: 'CenterCircle', x: 0, y: 0, radius: field.center_circle_radius, a1: 0, a2: 2 * Math.PI }];
 }
 
-/** The field's arcs as points. */
+/** The field's arcs as polylines. */
 export const fieldArcs = (field: FieldSize): Point[][] =>
   fieldCurves(field).map(({ x, y, radius, a1, a2 }) => arc({ x, y }, radius, a1, a2));
 
-/** Points along a line, close enough that a lens' bend shows. */
+/** Points along a line, dense enough to show the lens distortion. */
 export function alongLine({ p1, p2 }: FieldLine, step = 100): Point[] {
   const parts = Math.max(1, Math.ceil(Math.hypot(p2.x - p1.x, p2.y - p1.y) / step));
   return Array.from({ length: parts + 1 }, (_, i) => ({

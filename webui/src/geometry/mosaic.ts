@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the tiles go: as the cameras hang over the field, when that is known.
+// Layout of the camera tiles: as the cameras hang over the field, if that is known.
 import type { CameraStatus, FieldSize } from '../api/types';
 
 export interface Place {
@@ -14,7 +14,7 @@ export interface Mosaic {
   places: Place[];
 }
 
-/** Ranks positions, taking those closer than the gap as one. */
+/** Ranks positions; positions closer than `gap` share a rank. */
 function ranks(values: number[], gap: number): Map<number, number> {
   const sorted = [...values].sort((p, q) => p - q);
   const result = new Map<number, number>();
@@ -49,7 +49,7 @@ export function mosaic(cameras: CameraStatus[], field: FieldSize): Mosaic {
   const places = at.map((p) => ({ camera: p.camera, column: columns.get(p.x)!, row: rows.get(-p.y)! }));
   const count = { columns: Math.max(...columns.values()) + 1, rows: Math.max(...rows.values()) + 1 };
   const distinct = new Set(places.map((p) => `${p.column} ${p.row}`)).size;
-  // Two in one place, or a grid with holes: the calibrations do not tell an order worth showing.
+  // Two cameras in one place, or a grid with gaps: the calibrations give no useful order.
   if (distinct < cameras.length || count.columns * count.rows > cameras.length) return byNumber(cameras);
   places.sort((p, q) => p.row - q.row || p.column - q.column);
   return { ...count, places };

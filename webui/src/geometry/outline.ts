@@ -5,10 +5,10 @@ import { CameraModel, type Point } from './cameraModel';
 import { alongLine, fieldArcs, fieldLines, gridLines } from './fieldLines';
 import { turnPixel, type Size, type Turn } from './turn';
 
-/** Tenths of a pixel: fine enough for a line, and short paths. */
+/** Rounds to 0.1 px: fine enough for a line, and keeps paths short. */
 const round = (value: number) => Math.round(value * 10) / 10;
 
-/** One path through points of the floor; it breaks off where the camera cannot see them. */
+/** A path through points on the floor; it is interrupted where the camera cannot see them. */
 function floorPath(model: CameraModel, camera: Size, turn: Turn, points: Point[]): string {
   const margin = camera.width;
   let path = '';
@@ -37,7 +37,7 @@ export function gridPath(model: CameraModel, camera: Size, turn: Turn, field: Fi
   return gridLines(field).map((l) => floorPath(model, camera, turn, alongLine(l))).join('');
 }
 
-/** The part of the floor a camera sees, as a polygon on the field. */
+/** The part of the floor that a camera sees, as a polygon in field coordinates, mm. */
 export function coverage(camera: CameraStatus): Point[] {
   if (!camera.calibration) return [];
   const model = new CameraModel(camera.calibration);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Quarter turns that lay an image as the field lies: +x to the right, +y up.
+// Quarter turns that orient an image like the field: +x to the right, +y up.
 import type { CameraStatus } from '../api/types';
 import { CameraModel, type Point } from './cameraModel';
 
@@ -16,8 +16,8 @@ export function turnedSize(turn: Turn, { width, height }: Size): Size {
 }
 
 /**
- * A pixel of the camera's image to a place in the turned image. Pixel centres are integers,
- * while drawing counts from the image's corner, half a pixel before them.
+ * Converts a pixel of the camera's image to a position in the turned image. Pixel centres are integers, while drawing
+ * coordinates start at the image's corner, half a pixel before them.
  */
 export function turnPixel(turn: Turn, { width, height }: Size, pixel: Point): Point {
   const x = pixel.x + 0.5;
@@ -30,7 +30,7 @@ export function turnPixel(turn: Turn, { width, height }: Size, pixel: Point): Po
   }
 }
 
-/** The camera's pixel at a place in the turned image; the other way round. */
+/** Inverse of turnPixel(): the camera's pixel at a position in the turned image. */
 export function unturnPixel(turn: Turn, { width, height }: Size, { x, y }: Point): Point {
   switch (turn) {
     case 0: return { x: x - 0.5, y: y - 0.5 };
@@ -40,7 +40,7 @@ export function unturnPixel(turn: Turn, { width, height }: Size, { x, y }: Point
   }
 }
 
-/** The turn that brings the field's +x closest to the image's right. */
+/** The turn that brings the field's +x closest to the right of the image. */
 export function fieldTurn(camera: CameraModel | null, { width, height }: Size): Turn {
   const middle = camera?.unproject(width / 2, height / 2, 0);
   if (!camera || !middle) return 0;

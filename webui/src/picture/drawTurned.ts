@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 import { turnedSize, type Turn } from '../geometry/turn';
 
-/** Draws an image on a canvas that takes on its turned size. Quarter turns move whole pixels: nothing is smoothed. */
+/**
+ * Draws an image on a canvas and gives the canvas the turned size. Quarter turns move whole pixels: nothing is
+ * smoothed.
+ */
 export function drawTurned(canvas: HTMLCanvasElement, context: CanvasRenderingContext2D, picture: ImageBitmap | OffscreenCanvas, turn: Turn): void {
   const { width, height } = turnedSize(turn, picture);
-  // Setting a canvas' size empties it, so only when it differs.
+  // Setting a canvas' size clears it, so it is set only when it differs.
   if (canvas.width !== width) canvas.width = width;
   if (canvas.height !== height) canvas.height = height;
   context.imageSmoothingEnabled = false;

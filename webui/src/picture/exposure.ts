@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which pixels of an image say nothing any more because there was too much or too little light.
+// Finds the over- and under-exposed pixels of an image.
 
-/** Any channel from here on. Noise and the JPEG keep a clipped channel from always being 255. */
+/** Over-exposed: any channel from this value. Noise and JPEG keep a clipped channel from always being 255. */
 export const OVER_FROM = 250;
-/** All channels up to here. */
+/** Under-exposed: all channels up to this value. */
 export const UNDER_TO = 6;
 
 export type Rgb = readonly [number, number, number];
@@ -19,12 +19,15 @@ export interface ExposureShare {
   under: number;
 }
 
-/** Every marked pixel is painted; stripes of two strengths tell the marks from things of that colour. */
+/** Stripes of two opacities distinguish the marks from objects of that colour; every marked pixel is painted. */
 const STRIPE_PX = 4;
 const STRONG = 255;
 const WEAK = 150;
 
-/** Paints the marks (RGBA, clear where there is none) of an image (RGBA). A kind without a colour is only counted. */
+/**
+ * Paints the marks of an image (both RGBA; transparent where there is no mark). A kind without a colour is only
+ * counted.
+ */
 export function markExposure(picture: Uint8ClampedArray, width: number, marks: Uint8ClampedArray, { over, under }: ExposureMarks): ExposureShare {
   const count = { over: 0, under: 0 };
   const pixels = picture.length / 4;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The colours in which the service draws labels: kNames and kDisplayColors of daemon/vision/label.h.
+// Display colours of the labels: kNames and kDisplayColors in daemon/vision/label.h.
 import type { Rgb } from './exposure';
 
 export const labelColours: Readonly<Record<string, Rgb>> = {
@@ -15,7 +15,7 @@ export const labelColours: Readonly<Record<string, Rgb>> = {
   black: [0, 0, 0],
 };
 
-/** The label whose colour a pixel of the labelled image has; a JPEG changes colours a little. */
+/** The label of a pixel of the labelled image: that of the nearest colour, because JPEG alters colours slightly. */
 export function labelOf([r, g, b]: Rgb): string {
   const distance = ([lr, lg, lb]: Rgb) => (lr - r) ** 2 + (lg - g) ** 2 + (lb - b) ** 2;
   return Object.entries(labelColours).reduce((best, one) => (distance(one[1]) < distance(best[1]) ? one : best))[0];

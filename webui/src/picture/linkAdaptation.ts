@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits the images to the link: smaller and coarser ones while they come late or seldom, better ones again when there is room.
+// Adapts the images to the link: smaller and coarser ones while they arrive late or rarely, better ones again when
+// possible.
 
 export interface PictureEffort {
   /** Factor on the width that would be sharp. */
   width: number;
-  /** Of the JPEG. */
+  /** JPEG quality. */
   quality: number;
 }
 
-/** From the best image to the smallest; each takes about 0.6 of the bytes of the one before. */
+/** From the best image to the smallest; each needs about 0.6 of the bytes of the previous one. */
 export const EFFORTS: readonly PictureEffort[] = [
   { width: 1, quality: 75 },
   { width: 1, quality: 55 },
@@ -18,27 +19,27 @@ export const EFFORTS: readonly PictureEffort[] = [
   { width: 0.3, quality: 40 },
 ];
 
-/** The figures of a judged period. */
+/** The measurements of one period. */
 export interface LinkPeriod {
-  /** Median time from capture to the screen. */
+  /** Median delay from capture to the screen. */
   delayMs: number;
   fps: number;
-  /** Asked for, and no more than the camera gives. */
+  /** Requested rate, at most the camera's own. */
   wantedFps: number;
 }
 
 export interface LinkState {
   /** Index into EFFORTS. */
   effort: number;
-  /** Least delay of late: what this link takes when nothing queues. */
+  /** Recent minimum delay: that of the link when nothing queues. */
   floorMs: number;
   /** Good periods in a row. */
   good: number;
-  /** Good periods that are wanted before better images are tried. */
+  /** Good periods required before better images are tried. */
   patience: number;
-  /** Periods since better images were tried; those that then come late show that there is no room. */
+  /** Periods since better images were tried; late images soon after that show that the link is too slow for them. */
   sinceRaise: number;
-  /** What there was when smaller images were taken last, and periods since. */
+  /** Measurements when smaller images were last chosen, and periods since. */
   lowered: { delayMs: number; fps: number; ago: number } | null;
 }
 
@@ -46,26 +47,29 @@ export const LINK_START: LinkState = { effort: 0, floorMs: Infinity, good: 0, pa
 
 const LATE_MS = 100;
 const EASY_MS = 40;
-/** So late, no image but the smallest will do. */
+/** Above this delay, the smallest image is chosen at once. */
 const VERY_LATE_MS = 1000;
 const SELDOM = 0.6;
 const OFTEN = 0.8;
-/** The floor rises by this with each period, so that one lucky image, or another clock, does not count for ever. */
+/** The floor rises by this per period, so that one lucky image or a clock change does not count forever. */
 const FLOOR_RISE_MS = 1;
 const FAILED_AFTER = 3;
 const MOST_PATIENCE = 64;
-/** Where smaller images changed less than this, it is not the link (a slow computer), and still smaller ones wait this long. */
+/**
+ * If smaller images improved less than this, the cause is not the link but for example a slow computer; the next
+ * reduction waits HOLD periods.
+ */
 const HELPED = 0.87;
 const HOLD = 20;
 
-/** Where the link is known to be slow, the first image is small: a large one would hold up everything else for seconds. */
+/** On a link that is known to be slow, the first image is small: a large one would delay everything else for seconds. */
 export const SLOW_START: LinkState = { ...LINK_START, effort: EFFORTS.length - 1 };
 
-/** Whether even the smallest images come late or seldom. */
+/** Whether even the smallest images arrive late or rarely. */
 export const isStarved = ({ effort, floorMs }: LinkState, { delayMs, fps, wantedFps }: LinkPeriod): boolean =>
   effort === EFFORTS.length - 1 && (delayMs - floorMs > LATE_MS || fps < SELDOM * wantedFps);
 
-/** What to do after one more period. */
+/** The state after one more period. */
 export function adapt(state: LinkState, { delayMs, fps, wantedFps }: LinkPeriod): LinkState {
   const floorMs = Math.min(delayMs, state.floorMs + FLOOR_RISE_MS);
   const above = delayMs - floorMs;
@@ -83,7 +87,7 @@ export function adapt(state: LinkState, { delayMs, fps, wantedFps }: LinkPeriod)
   if (above > EASY_MS || fps < OFTEN * wantedFps) return { ...state, floorMs, good: 0, sinceRaise, lowered };
   const good = state.good + 1;
   if (state.effort === 0 || good < state.patience) {
-    // What has been good for long is trusted again.
+    // After many good periods at the best level, the patience is reset.
     const patience = state.effort === 0 && good >= MOST_PATIENCE ? LINK_START.patience : state.patience;
     return { ...state, floorMs, good, sinceRaise, patience, lowered };
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where an image's robots, balls and their tags are drawn, in the (turned) image's own pixels.
+// Positions of an image's robots, balls and tags, in pixels of the (turned) image.
 import type { Ball, PreviewHeader, Robot } from '../api/types';
 import type { CameraModel, Point, Point3 } from '../geometry/cameraModel';
 import { turnPixel, turnedSize, type Size, type Turn } from '../geometry/turn';
@@ -8,7 +8,7 @@ export interface RobotMark {
   key: string;
   robot: Robot;
   centre: Point;
-  /** Radius of the ring, about. */
+  /** Approximate radius of the ring. */
   radius: number;
   ring: string;
   heading: string;
@@ -29,15 +29,15 @@ export interface Marks {
   balls: BallMark[];
 }
 
-/** Without a calibration a ring is drawn at this share of the image's width. */
+/** Radius of a ring without a calibration, as a share of the image's width. */
 const BLIND_RADIUS = 0.02;
-/** A ball's ring is drawn wider than the ball, or it would hide it. */
+/** A ball's ring is wider than the ball, so that it does not hide the ball. */
 const BALL_RING = 2.2;
 
 const round = (value: number) => Math.round(value * 10) / 10;
 const at = (p: Point) => `${round(p.x)} ${round(p.y)}`;
 
-/** What a radius along the field's x and along its y is in the image. */
+/** Image vectors of a radius along the field's x and along its y. */
 function axes({ x, y, z }: Point3, radius: number, model: CameraModel | null, picture: Size, turn: Turn): [Point, Point] {
   const centre = model?.project(x, y, z);
   const alongX = model?.project(x + radius, y, z);
@@ -60,7 +60,7 @@ function robotMark(robot: Robot, key: string, radius: number, model: CameraModel
   });
   const corners = 36;
   const ring = Array.from({ length: corners }, (_, i) => at(point((i / corners) * 2 * Math.PI, 1)));
-  /** A recorded packet may lack its heading. */
+  /** A recorded packet may have no heading. */
   const hasNoHeading = Number.isNaN(robot.orientation);
   const front = point(robot.orientation, 1);
   const tip = point(robot.orientation, 2);
@@ -69,7 +69,7 @@ function robotMark(robot: Robot, key: string, radius: number, model: CameraModel
     key, robot, centre,
     radius: Math.max(Math.hypot(ux.x, ux.y), Math.hypot(uy.x, uy.y)),
     ring: `M${ring.join('L')}Z`,
-    // Where the field's x lies in an uncalibrated image is not known, so neither is the heading.
+    // The direction of the field's x is unknown in an uncalibrated image, and so is the heading.
     heading: model && !hasNoHeading ? `M${at(front)}L${at(tip)}` : '',
     ahead: !model || hasNoHeading ? { x: 0, y: 0 } : { x: (front.x - centre.x) / length, y: (front.y - centre.y) / length },
   };
@@ -97,7 +97,7 @@ export function marks(header: PreviewHeader, radii: Radii, model: CameraModel | 
   return { size: turnedSize(turn, picture), robots, balls };
 }
 
-/** A recorded packet may lack the robot's number. */
+/** For a recorded packet without the robot's number. */
 export const NO_ID = -1;
 export const idText = (id: number): string => (id === NO_ID ? '?' : String(id));
 export const tagText = (robot: Robot) => `${robot.team === 'yellow' ? 'y' : 'b'}${idText(robot.id)}`;
@@ -106,7 +106,7 @@ export interface Tag {
   key: string;
   robot: Robot;
   centre: Point;
-  /** From the robot's centre, in screen pixels. */
+  /** Offset from the robot's centre, screen pixels. */
   offset: Point;
 }
 
@@ -114,8 +114,9 @@ const SIDES: readonly Point[] = [{ x: 0, y: -1 }, { x: 0, y: 1 }, { x: 1, y: 0 }
 const TAG = { width: 22, height: 15, gap: 5 };
 
 /**
- * Puts each tag on the side of its robot that is clear of its heading, of other robots, balls and tags, and inside the
- * image. A tag keeps its side until another is clearly better, so that it does not jump about; `sides` remembers it.
+ * Places each tag on the side of its robot that is clear of its heading, of other robots, balls and tags, and inside
+ * the image. A tag changes its side only if another one is clearly better, so that it does not jump; `sides` stores the
+ * sides.
  */
 export function placeTags({ size, robots, balls }: Marks, scale: number, sides: Map<string, number>): Tag[] {
   const things = [...robots, ...balls].map(({ centre, radius }) => ({ x: centre.x * scale, y: centre.y * scale, reach: radius * scale }));

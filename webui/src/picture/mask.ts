@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a camera's mask leaves out, as SVG paths. Inside a polygon is decided by the even-odd rule.
+// What a camera's mask hides, as SVG paths with the even-odd rule.
 import { turnPixel, type Size, type Turn } from '../geometry/turn';
 
 export interface MaskPolygon {
@@ -12,29 +12,29 @@ export interface MaskSettings {
   exclude: MaskPolygon[];
 }
 
-/** Left, top, width and height, px; pixels' edges, not their centres. */
+/** Left, top, width and height, px; at pixel edges, not centres. */
 export type Rectangle = [number, number, number, number];
 
 export interface MaskPaths {
-  /** Only what lies in one of these is looked at; none: everything. */
+  /** Only the inside of these is searched; none: everything. */
   include: string[];
   exclude: string[];
-  /** What lies too far beyond the field; '': nothing. */
+  /** Areas too far beyond the field; '': none. */
   beyond: string;
 }
 
 const round = (value: number) => Math.round(value * 10) / 10;
 
-/** A rectangle's corners as a polygon of pixel centres has them. */
+/** A rectangle's corners as a polygon in pixel-centre coordinates. */
 const cornersOf = ([left, top, width, height]: Rectangle): MaskPolygon => {
   const [x1, y1, x2, y2] = [left - 0.5, top - 0.5, left + width - 0.5, top + height - 0.5];
   return { points: [[x1, y1], [x2, y1], [x2, y2], [x1, y2]] };
 };
 
-/** As SVG draws them over an image that is not turned. */
+/** An SVG path over an image that is not turned. */
 export const rectanglesPath = (rectangles: Rectangle[]): string => rectangles.map(([left, top, width, height]) => `M${left} ${top}h${width}v${height}h${-width}Z`).join('');
 
-/** null when nothing is left out. */
+/** Null if nothing is hidden. */
 export function maskPaths(mask: MaskSettings | null | undefined, hidden: Rectangle[], picture: Size, turn: Turn): MaskPaths | null {
   const { include, exclude } = mask ?? { include: [], exclude: [] };
   if (include.length + exclude.length + hidden.length === 0) return null;

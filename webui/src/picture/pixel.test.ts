@@ -4,7 +4,7 @@ import { toneOf } from './pixel';
 
 describe('tone', () => {
   it('has the hue of the colour classes', () => {
-    // As config/demo.json has them.
+    // The ranges of config/demo.json.
     const within = (rgb: [number, number, number], [from, to]: [number, number]) => {
       const { hue } = toneOf(rgb);
       expect(hue).toBeGreaterThan(from);

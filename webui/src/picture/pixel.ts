@@ -3,7 +3,7 @@
 import type { Rgb } from './exposure';
 
 export interface Tone {
-  /** Angle of (U-128, V-128) from +U towards +V, degrees; null for a grey, which has none. */
+  /** Angle of (U-128, V-128) from +U towards +V, degrees; null for grey, which has none. */
   hue: number | null;
   /** Length of (U-128, V-128) over Y, percent. */
   saturation: number;

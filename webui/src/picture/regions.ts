@@ -10,12 +10,12 @@ export interface RegionPath {
   path: string;
 }
 
-/** Boxes round whole pixels, in the (turned) image's own pixels. */
+/** Boxes around whole pixels, in pixels of the (turned) image. */
 export function regionPaths(regions: PreviewRegions | null | undefined, picture: Size, turn: Turn): RegionPath[] {
   const paths = new Map<string, string>();
   for (const [index, x, y, width, height] of regions?.boxes ?? []) {
     const label = regions!.labels[index!] ?? '';
-    // turnPixel takes a pixel's centre for the place half a pixel from its corner; here the corners are wanted.
+    // turnPixel() expects pixel centres, half a pixel from their corner; these are corners.
     const a = turnPixel(turn, picture, { x: x! - 0.5, y: y! - 0.5 });
     const b = turnPixel(turn, picture, { x: x! + width! - 0.5, y: y! + height! - 0.5 });
     paths.set(label, `${paths.get(label) ?? ''}M${Math.min(a.x, b.x)} ${Math.min(a.y, b.y)}h${Math.abs(b.x - a.x)}v${Math.abs(b.y - a.y)}h${-Math.abs(b.x - a.x)}z`);

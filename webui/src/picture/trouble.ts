@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Why an image is not live, in words.
+// Why an image is not live, as texts.
 import type { CameraState } from '../api/types';
 import type { IconName } from '../components/icons';
 import { duration } from '../format';
@@ -7,13 +7,13 @@ import { duration } from '../format';
 export interface PictureState {
   state: CameraState;
   error: string;
-  /** No word from the daemon for this long, when that is too long. */
+  /** Time without a message from the daemon; null while it is not too long. */
   silentSeconds: number | null;
   /** Age of the last image; null before the first. */
   age: number | null;
-  /** What the service sends comes late or seldom. */
+  /** The service's messages arrive late or rarely. */
   isLinkSlow: boolean;
-  /** Seconds for which the service itself had no new image of a camera that runs. */
+  /** Seconds in which the service itself got no new image from a running camera. */
   gapAtService: number;
 }
 
@@ -22,16 +22,16 @@ export interface Trouble {
   title: string;
   notes: string[];
   bad: boolean;
-  /** The image is late but goes on: it stays as it is, with a mark on it. */
+  /** The image is late but continues: it stays visible, with a mark. */
   isMark?: boolean;
 }
 
-/** Whether an image is not to be taken for a live one at all. */
+/** Whether an image must not be presented as live. */
 export const hides = (trouble: Trouble | null): boolean => trouble !== null && !trouble.isMark;
 
 /** A running camera's image may be this old before it counts as stuck. */
 const STUCK_SECONDS = 3;
-/** So old, an image is marked where the link is slow. */
+/** On a slow link, an image this old gets a mark. */
 const LATE_SECONDS = 1.5;
 
 export function pictureTrouble({ state, error, silentSeconds, age, isLinkSlow, gapAtService }: PictureState): Trouble | null {
@@ -46,7 +46,7 @@ export function pictureTrouble({ state, error, silentSeconds, age, isLinkSlow, g
     return isLinkSlow && !isCameraSilent ? { icon: 'link', title: 'Slow link', notes: ['The first image is on its way'], bad: false }
       : { icon: 'camera', title: 'Waiting for an image', notes: [], bad: false };
   }
-  // The service has newer images than this: they are late on their way here.
+  // The service has newer images: this one is delayed on its way here.
   if (!isCameraSilent && age > (isLinkSlow ? LATE_SECONDS : STUCK_SECONDS)) return { icon: 'link', title: 'Slow link', notes: [`image ${duration(age)} old`], bad: false, isMark: true };
   if (isCameraSilent && age > STUCK_SECONDS) return { icon: 'nocamera', title: `No image for ${duration(age)}`, notes, bad: true };
   return null;

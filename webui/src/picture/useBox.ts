@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits an image into its frame, and knows its scale on the screen.
+// Fits an image into its frame, and gives its scale on the screen.
 import { computed, onMounted, onUnmounted, ref, type Ref } from 'vue';
 import type { Size } from '../geometry/turn';
 
 export interface View {
   /** 1 shows the whole image. */
   zoom: number;
-  /** The image's middle from the frame's middle, in screen pixels. */
+  /** Offset of the image's centre from the frame's centre, screen pixels. */
   x: number;
   y: number;
 }
@@ -43,15 +43,15 @@ export function useBox(frame: Ref<Size>, picture: () => Size, view: () => View) 
   });
 }
 
-/** Whether a JPEG of this width is shown larger than it is, on a screen of so many device pixels per CSS pixel. */
+/** Whether a JPEG of this width is shown enlarged on a screen with `ratio` device pixels per CSS pixel. */
 export function isEnlarged(jpegWidth: number, cameraWidth: number, scale: number, ratio: number): boolean {
   return cameraWidth * scale * ratio > jpegWidth;
 }
 
-/** JPEG widths worth asking for: few steps, so that a resized window does not ask again with every pixel. */
+/** JPEG widths to request: only a few, so that resizing a window does not send a request for each pixel. */
 const WIDTHS = [240, 320, 480, 640, 800, 1024, 1280, 1600, 2048];
 
-/** The width to ask for so that an image shown at this scale is sharp. */
+/** The width to request so that an image shown at this scale is sharp. */
 export function sharpWidth(cameraWidth: number, scale: number): number {
   const wanted = cameraWidth * scale * Math.min(devicePixelRatio, 2);
   return Math.min(cameraWidth, WIDTHS.find((width) => width >= wanted) ?? cameraWidth);

@@ -6,14 +6,14 @@ import type { Shown } from './useLivePicture';
 
 const starved = vi.hoisted(() => new Set<object>());
 vi.mock('../state/live', () => ({
-  isLinkSlow: { value: true }, // begins with the smallest images
+  isLinkSlow: { value: true }, // starts with the smallest images
   setStarved: (view: object, is: boolean) => { if (is) starved.add(view); else starved.delete(view); },
 }));
 
 let scope: EffectScope;
 const areDue = ref(true);
 let count: (shown: Shown) => void;
-/** Five seconds of one image a second, where fifteen are asked for. */
+/** Five seconds with one image a second, while fifteen are requested. */
 const starve = () => { for (let i = 0; i < 5; i++) count({ at: i * 1000, delayMs: 900 } as Shown); };
 
 beforeEach(() => {

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Watches how images come and says what to ask for.
+// Measures how images arrive, and decides what to request.
 import { computed, onScopeDispose, shallowRef, watch } from 'vue';
 import { isLinkSlow, setStarved } from '../state/live';
 import { adapt, EFFORTS, isStarved, LINK_START, SLOW_START } from './linkAdaptation';
 import type { Shown } from './useLivePicture';
 
 const PERIOD_MS = 1000;
-/** A fresh image after a gap like this came after a freeze, a tab in the background, a lost camera: a period begins again. */
+/** A fresh image after a gap this long follows a freeze, a background tab or a lost camera: a new period begins. */
 const GAP_MS = 700;
-/** Without an image for this long there is nothing to judge the link by. */
+/** Without an image for this long, the link cannot be judged. */
 const QUIET_MS = 10_000;
 
-/** `areDue`: images are asked for and the camera has some. */
+/** `areDue`: whether images are requested and the camera has some. */
 export function useLinkAdaptation(wantedFps: () => number, areDue: () => boolean) {
   const state = shallowRef(isLinkSlow.value ? SLOW_START : LINK_START);
   let period: Shown[] = [];
@@ -20,7 +20,7 @@ export function useLinkAdaptation(wantedFps: () => number, areDue: () => boolean
   function tell(starved: boolean): void {
     clearTimeout(quiet);
     setStarved(state, starved);
-    // Nothing else takes that back once no more images come.
+    // Nothing else resets this once no more images arrive.
     if (starved) quiet = setTimeout(() => setStarved(state, false), QUIET_MS);
   }
 

@@ -9,21 +9,21 @@ import { drawTurned } from './drawTurned';
 
 export interface Shown {
   header: PreviewHeader;
-  /** As decoded and not turned; gone when the next one is shown. */
+  /** As decoded, not turned; closed when the next one is shown. */
   picture: ImageBitmap;
-  /** Size of the JPEG as it came. */
+  /** Size of the received JPEG. */
   width: number;
   height: number;
   bytes: number;
-  /** From capture to the screen. */
+  /** Delay from capture to the screen. */
   delayMs: number;
-  /** On the browser's monotonic clock. */
+  /** Time of display on the browser's monotonic clock. */
   at: number;
 }
 
 const same = (a: PreviewRequest | null, b: PreviewRequest | null) => JSON.stringify(a) === JSON.stringify(b);
 
-/** `request` null: no image is asked for and the last one stays (a frozen or hidden view). */
+/** `request` null: no image is requested and the last one stays (a frozen or hidden view). */
 export function useLivePicture(canvas: Ref<HTMLCanvasElement | null>, request: () => PreviewRequest | null, turn: () => Turn, line: PictureLine = sharedLine) {
   const shown = shallowRef<Shown | null>(null);
   let bitmap: ImageBitmap | null = null;
@@ -49,12 +49,12 @@ export function useLivePicture(canvas: Ref<HTMLCanvasElement | null>, request: (
     try {
       next = await createImageBitmap(new Blob([jpeg], { type: 'image/jpeg' }));
     } catch {
-      // A damaged image: ask for the next one all the same.
+      // A damaged image: requests the next one.
       line.acknowledge(header.camera, header.frame);
       return;
     }
     requestAnimationFrame(() => {
-      // After a freeze or a change of camera an image may still be on its way.
+      // After a freeze or a change of camera, an image may still arrive.
       if (!alive || request()?.camera !== header.camera) {
         next.close();
         return;
@@ -67,7 +67,7 @@ export function useLivePicture(canvas: Ref<HTMLCanvasElement | null>, request: (
         header, picture: next, width: next.width, height: next.height, bytes: jpeg.length, delayMs: ageOf(header.t_capture) * 1000, at: performance.now(),
       };
       old?.close();
-      // A task of its own runs after the paint: only then is the image on the screen.
+      // A new task runs after the paint: only then is the image on the screen.
       setTimeout(() => line.acknowledge(header.camera, header.frame));
     });
   }

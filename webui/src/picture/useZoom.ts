@@ -9,7 +9,7 @@ const STEP = 1.4;
 const PRIMARY = 0;
 const MIDDLE = 1;
 const WHEEL = 0.0016;
-/** A press that moves less than this is a click on what lies under it. */
+/** A press that moves less than this is a click on the object under it. */
 const CLICK_PX = 4;
 
 export function useZoom(frame: Ref<HTMLElement | null>, picture: () => Size) {
@@ -52,7 +52,7 @@ export function useZoom(frame: Ref<HTMLElement | null>, picture: () => Size) {
       panBy(next.x - last.x, next.y - last.y);
     }
     travelled += Math.hypot(next.x - last.x, next.y - last.y);
-    // Capturing only a real drag leaves clicks to the robots under the pointer.
+    // Capturing only real drags lets clicks reach the robots under the pointer.
     if (travelled > CLICK_PX && !dragging.value && view.value.zoom > 1) {
       dragging.value = true;
       frame.value?.setPointerCapture(event.pointerId);

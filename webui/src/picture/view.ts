@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Zooming and panning an image within its frame.
+// Zooms and pans an image within its frame.
 import type { Size } from '../geometry/turn';
 import { WHOLE, type View } from './useBox';
 
@@ -7,7 +7,7 @@ export const MAX_ZOOM = 12;
 
 const clamp = (value: number, limit: number) => Math.min(limit, Math.max(-limit, value));
 
-/** Keeps the image over the frame: no pan beyond its edge, and centred where it is smaller. */
+/** Keeps the image over the frame: no panning beyond its edge, and centred if it is smaller. */
 function keepInside(view: View, frame: Size, picture: Size): View {
   const scale = Math.min(frame.width / picture.width, frame.height / picture.height) * view.zoom;
   return {
@@ -21,7 +21,7 @@ export function panned(view: View, dx: number, dy: number, frame: Size, picture:
   return keepInside({ ...view, x: view.x + dx, y: view.y + dy }, frame, picture);
 }
 
-/** Zooms so that what lies at (x, y), counted from the frame's middle, stays there. */
+/** Zooms around the point (x, y), relative to the frame's centre. */
 export function zoomed(view: View, factor: number, x: number, y: number, frame: Size, picture: Size): View {
   const zoom = Math.min(MAX_ZOOM, Math.max(1, view.zoom * factor));
   if (zoom === 1) return WHOLE;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // JSON Pointers (RFC 6901) into the settings tree.
 
-/** The string comes before the boolean: as a component's property '' would else become true. */
+/** String comes before boolean: otherwise Vue would turn a component's property '' into true. */
 export type Json = null | string | boolean | number | Json[] | { [key: string]: Json };
 
 export const escapeKey = (key: string | number) => String(key).replaceAll('~', '~0').replaceAll('/', '~1');
@@ -10,7 +10,7 @@ const unescapeKey = (key: string) => key.replaceAll('~1', '/').replaceAll('~0', 
 export const keysOf = (pointer: string): string[] => (pointer === '' ? [] : pointer.slice(1).split('/').map(unescapeKey));
 export const pointerOf = (keys: (string | number)[]): string => keys.map((key) => `/${escapeKey(key)}`).join('');
 
-/** What stands there; undefined where nothing does. */
+/** The value at a pointer; undefined if there is none. */
 export function valueAt(tree: Json | undefined, pointer: string): Json | undefined {
   let value = tree;
   for (const key of keysOf(pointer)) {
@@ -20,7 +20,7 @@ export function valueAt(tree: Json | undefined, pointer: string): Json | undefin
   return value;
 }
 
-/** Whether one of them is the other or lies in it. */
+/** Whether they are equal, or one contains the other. */
 export const overlap = (a: string, b: string): boolean => a === b || a.startsWith(`${b}/`) || b.startsWith(`${a}/`);
 
 export const isEqual = (a: Json | undefined, b: Json | undefined): boolean => {
@@ -33,18 +33,18 @@ export const isEqual = (a: Json | undefined, b: Json | undefined): boolean => {
 };
 
 export interface Operation {
-  /** `test` refuses the whole patch unless the value stands there. */
+  /** `test` refuses the whole patch unless the value at the path is equal. */
   op: 'add' | 'remove' | 'replace' | 'test';
   path: string;
   value?: Json;
 }
 
-/** A patch that sets a value, making the objects on the way to it that are not there yet. */
+/** A patch that sets a value and creates missing objects on its path. */
 export function setOperations(tree: Json, pointer: string, value: Json): Operation[] {
   const keys = keysOf(pointer);
   for (let depth = 1; depth < keys.length; depth++) {
     if (valueAt(tree, pointerOf(keys.slice(0, depth))) !== undefined) continue;
-    // One operation puts the whole missing branch there.
+    // One operation adds the whole missing branch.
     const branch = keys.slice(depth).reduceRight<Json>((inner, key) => ({ [key]: inner }), value);
     return [{ op: 'add', path: pointerOf(keys.slice(0, depth)), value: branch }];
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the service's JSON Schema says about a place in the settings tree.
+// Looks up the service's JSON Schema for places in the settings tree.
 import { keysOf, valueAt, type Json } from './pointer';
 
 /** The part of JSON Schema (2020-12) that daemon/base/params_json.h writes. */
@@ -21,7 +21,7 @@ export interface SchemaNode {
   oneOf?: SchemaNode[];
 }
 
-/** Of several shapes the one whose constants ("backend") the value has. */
+/** Of several shapes, the one whose constants ("backend") match the value. */
 export function shapeOf(node: SchemaNode, value: Json | undefined): SchemaNode {
   if (!node.oneOf) return node;
   const fits = node.oneOf.find(({ properties }) => Object.entries(properties ?? {})
@@ -29,7 +29,7 @@ export function shapeOf(node: SchemaNode, value: Json | undefined): SchemaNode {
   return fits ? { ...node, ...fits, oneOf: undefined } : node;
 }
 
-/** The node of a place in a tree; undefined where the schema knows nothing. */
+/** The node for a pointer; undefined if the schema does not contain it. */
 export function nodeAt(schema: SchemaNode, tree: Json, pointer: string): SchemaNode | undefined {
   let node: SchemaNode | undefined = schema;
   let value: Json | undefined = tree;
@@ -46,11 +46,11 @@ export type Kind = 'number' | 'flag' | 'text' | 'choice' | 'numbers' | 'range' |
 
 const types = (node: SchemaNode) => (Array.isArray(node.type) ? node.type : [node.type ?? 'object']);
 
-/** null is allowed, and means what the help says. */
+/** Null is allowed; the help says what it means. */
 export const isNullable = (node: SchemaNode) => types(node).includes('null');
 export const isWhole = (node: SchemaNode) => types(node).includes('integer');
 
-/** A value, or the default where there is none; null is one. */
+/** The value, or the default if it is undefined; null is a value. */
 export const valueOr = (node: SchemaNode | undefined, value: Json | undefined): Json | undefined => (value === undefined ? node?.default : value);
 
 /** How a value is shown and edited. */
@@ -70,7 +70,7 @@ export function kindOf(node: SchemaNode): Kind {
   return node.properties ? 'group' : 'object';
 }
 
-/** "robot_distance_mm" as people read it: "Robot distance". */
+/** "robot_distance_mm" as a title: "Robot distance". */
 export function titleOf(key: string): string {
   const words = key.replace(/_(mm|ms|us|s|px|hz|deg|pct|m|db)$/, '').split('_').filter(Boolean)
     .map((word) => ({ colors: 'colours', lut: 'LUT', cpu: 'CPU', ttl: 'TTL', rms: 'RMS' })[word] ?? word).join(' ');
@@ -78,7 +78,7 @@ export function titleOf(key: string): string {
   return known[words] ?? words.charAt(0).toUpperCase() + words.slice(1);
 }
 
-/** What a number may be, for people: "50 to 1400". */
+/** The allowed range of a number, as a text: "50 to 1400". */
 export function rangeText(node: SchemaNode): string {
   const far = (limit: number | undefined) => limit === undefined || Math.abs(limit) >= 1e9;
   const { minimum, maximum } = node;

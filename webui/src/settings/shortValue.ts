@@ -3,10 +3,10 @@ import type { Json } from './pointer';
 
 const MOST = 48;
 
-/** After a value that was refused: what counts instead. */
+/** Follows a refused value: which value remains in use. */
 export const stillUsed = (text: string) => (['empty', 'none', 'nothing'].includes(text) ? 'The setting is still empty.' : `The service still uses ${text}.`);
 
-/** A value of the settings in a few words, with its unit. */
+/** A setting's value in a few words, with its unit. */
 export function shortValue(value: unknown, unit = ''): string {
   if (value === undefined) return 'nothing';
   if (value === null) return 'none';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One value of the settings on its way from a control to the disk.
+// One setting's value, from a control to the disk.
 import { computed, ref, shallowRef, watch, type ShallowRef } from 'vue';
 import type { SettingsStep } from '../api/types';
 import { newestStepAt, saveValue, schema, settings, type Outcome } from '../state/settings';
@@ -12,9 +12,9 @@ interface Draft {
 
 export function useSetting(pointer: () => string) {
   const node = computed(() => (schema.value && settings.value !== null ? nodeAt(schema.value, settings.value, pointer()) : undefined));
-  /** What the service uses. A parameter that is not in the tree has its default. */
+  /** The service's value. A parameter missing in the tree has its default. */
   const saved = computed<Json | undefined>(() => valueOr(node.value, valueAt(settings.value ?? undefined, pointer())));
-  /** What is shown while it differs from that: not saved yet, or not allowed. */
+  /** Shown while it differs from `saved`: not saved yet, or invalid. */
   const draft: ShallowRef<Draft | null> = shallowRef(null);
   const value = computed(() => (draft.value ? draft.value.value : saved.value));
   const isDefault = computed(() => node.value?.default === undefined || isEqual(saved.value, node.value.default));
@@ -22,9 +22,9 @@ export function useSetting(pointer: () => string) {
   const error = ref('');
   const stale = shallowRef<SettingsStep | null>(null);
 
-  /** What the service used when typing began. */
+  /** The service's value when typing began. */
   let base: Json | undefined;
-  /** What was typed last is no value. */
+  /** The last input was not a valid value. */
   let isRefused = false;
 
   watch(pointer, () => { draft.value = null; error.value = ''; stale.value = null; base = undefined; });
@@ -34,7 +34,7 @@ export function useSetting(pointer: () => string) {
     stale.value = outcome.kind === 'stale' ? outcome.step : null;
   }
 
-  /** `joins`: see saveValue(). What became of it; nothing when it was not sent. */
+  /** `joins`: see saveValue(). Returns the outcome; null if nothing was sent. */
   async function set(next: Json, joins = false): Promise<Outcome | null> {
     if (!draft.value && isEqual(next, saved.value)) { error.value = ''; return null; }
     const sent: Draft = { value: next };
@@ -49,7 +49,7 @@ export function useSetting(pointer: () => string) {
     }
     const outcome = await saveValue(path, next, joins);
     const isNewest = draft.value === sent && path === pointer();
-    if (!isNewest) return outcome; // another value is on its way
+    if (!isNewest) return outcome; // a newer value is pending
     const typedSince = isRefused ? error.value : null;
     show(outcome);
     if (typedSince !== null) error.value = typedSince;
@@ -59,16 +59,16 @@ export function useSetting(pointer: () => string) {
 
   return {
     node, saved, value, isDefault, error, stale,
-    /** Typing begins: what others save from now on is not overwritten unasked. */
+    /** Typing begins: values that others save from now on are not overwritten without asking. */
     begin() { base = saved.value; },
     set,
-    /** What became of a change of this value that was made in another way. */
+    /** Shows the outcome of a change of this value that was made in another way. */
     show,
     reset: () => set(node.value!.default!),
-    /** After a stale edit: what the other one saved stays, or ours is saved over it. */
+    /** After a conflict: keepTheirs() keeps the other user's value, useMine() saves ours over it. */
     keepTheirs() { draft.value = null; stale.value = null; },
     useMine: () => (draft.value ? set(draft.value.value) : Promise.resolve(null)),
-    /** What is typed and is no value at all: the field keeps it, the service keeps its own. */
+    /** The input is not a valid value: the field keeps it, the service keeps its own. */
     refuse(text: string) {
       isRefused = true;
       error.value = text;

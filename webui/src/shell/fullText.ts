@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What lack of room shortens to "…" says all of it when a pointer rests on it.
+// Shows the full text of an element that is shortened to "…" as its tooltip.
 
-/** The title given to a shortened text; one that has room again loses it. */
+/** Marks titles that were set here; they are removed when the text fits again. */
 const GIVEN = 'fullText';
 
-/** How far around what is pointed at the shortened text may be. */
+/** How many ancestors of the pointed element are checked. */
 const LEVELS = 3;
 
 function shortenedAt(target: EventTarget | null): HTMLElement | null {

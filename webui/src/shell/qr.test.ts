@@ -3,7 +3,7 @@ import jsQR from 'jsqr';
 import { describe, expect, it } from 'vitest';
 import { qrPath } from './qr';
 
-/** What a phone reads, of so many pixels a module. */
+/** Decodes it as a phone does. */
 function read({ side, path }: ReturnType<typeof qrPath>): string | null {
   const scale = 4;
   const width = side * scale;

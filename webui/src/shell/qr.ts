@@ -2,12 +2,12 @@
 // An address as a QR code, for a phone's camera.
 import { encode } from 'uqr';
 
-/** Modules that stay light around it (ISO/IEC 18004). */
+/** Light border around it, modules (ISO/IEC 18004). */
 const QUIET = 4;
 
 export interface QrPath { side: number; path: string }
 
-/** The dark modules as an SVG path, and the side of the square they lie in. */
+/** The dark modules as an SVG path, and the side of the whole square. */
 export function qrPath(text: string): QrPath {
   const { data, size } = encode(text, { ecc: 'M', border: QUIET });
   let path = '';

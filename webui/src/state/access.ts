@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// What this visitor may do, and the questions that stand in the way of a change: a password, a running match.
+// What this visitor may do, and the questions that a change requires: a password, or confirmation during a match.
 import { computed, ref, shallowRef, watch } from 'vue';
 import { api, onClosedDoor } from '../api/client';
 import type { Session } from '../api/types';
 import { connection, liveStatus } from './live';
 
-/** null until the service has said so. */
+/** null until the service has answered. */
 export const access = shallowRef<Session | null>(null);
 export const mayChange = computed(() => access.value?.may === 'change');
 export const isLocked = computed(() => access.value?.match_lock.locked ?? false);
 export const isUnlocked = computed(() => access.value?.match_lock.opened ?? false);
-/** For controls that are locked: why, and what to do. */
+/** For locked controls: why, and what to do. */
 export const LOCK_REASON = 'The game controller says that a match is running, so settings are locked. Wait for HALT, or unlock them at the top of the page.';
 let loadedAt = 0;
 const LOCK_MS = 2000;
@@ -20,11 +20,11 @@ export async function loadAccess(): Promise<void> {
     loadedAt = performance.now();
     access.value = await api.get<Session>('session');
   } catch {
-    // The connection's mark says that nobody answers.
+    // The connection indicator shows that there is no answer.
   }
 }
 
-/** What the dialog asks: nothing, a password for a change, or leave to change something in a match. */
+/** The dialog's question: a password for a change, confirmation of a change during a match, or new passwords. */
 export type Question = 'sign-in' | 'match' | 'passwords';
 export const question = ref<Question | null>(null);
 
@@ -32,7 +32,7 @@ let answerQuestion: ((goOn: boolean) => void) | null = null;
 let asked: Promise<boolean> | null = null;
 
 function askAbout(about: Question): Promise<boolean> {
-  // Several changes may stand at the same door.
+  // Several changes may wait for the same answer.
   asked ??= new Promise<boolean>((resolve) => {
     question.value = about;
     answerQuestion = resolve;
@@ -44,13 +44,13 @@ function askAbout(about: Question): Promise<boolean> {
   return asked;
 }
 
-/** Asks whether to unlock the settings for this match; nothing else waits for the answer. */
+/** Asks whether to unlock the settings for this match; nothing else depends on the answer. */
 export function askToUnlock(): void { void askAbout('match'); }
 
 /** For the top bar's button. */
 export const openAccess = () => { if (!question.value) question.value = access.value?.may === 'change' ? 'passwords' : 'sign-in'; };
 
-/** The question is answered, or put away. */
+/** The question was answered or dismissed. */
 export function closeQuestion(goOn: boolean): void {
   if (answerQuestion) answerQuestion(goOn);
   else question.value = null;
@@ -60,7 +60,7 @@ export function closeQuestion(goOn: boolean): void {
 export async function signIn(password: string): Promise<void> {
   const mayLookNow = access.value?.may !== 'nothing';
   access.value = await api.post<Session>('session', { password });
-  // All that was refused so far is asked for again.
+  // Requests everything again that was refused so far.
   if (!mayLookNow) location.reload();
 }
 
@@ -84,15 +84,15 @@ export async function openMatchLock(opened: boolean): Promise<void> {
 export function followAccess(): void {
   onClosedDoor(async (status) => {
     await loadAccess();
-    // Somebody may have signed in meanwhile, in another tab.
+    // The user may have signed in meanwhile, in another tab.
     if (status === 401) return mayChange.value || (await askAbout('sign-in') && mayChange.value);
     return isLocked.value && await askAbout('match');
   });
   void loadAccess();
-  // The service may have been started again, or a match may have begun or ended.
+  // The service may have restarted, or a match may have begun or ended.
   watch([connection, () => liveStatus.value?.referee.game_is_running], () => { void loadAccess(); });
-  // Another admin may unlock, and a game controller that is silent for long locks nobody out until it is heard again: as
-  // long as there is a match, ask.
+  // Polled during a match: another admin may unlock it, and a game controller that has been silent for long locks
+  // nobody out until it is heard again.
   watch(liveStatus, (status) => {
     const isMatch = status?.referee.game_is_running || access.value?.match_lock.game_is_running || isUnlocked.value;
     if (isMatch && performance.now() - loadedAt > LOCK_MS) void loadAccess();

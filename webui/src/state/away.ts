@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tells somebody who does not look at the page: the tab's title and sign, and by choice a sound and a notification. The choice
-// is this browser's.
+// Alerts a user who is not viewing the page: by the tab's title and icon, optionally by a sound and a notification. The
+// choice is stored in the browser.
 import { ref, watch, watchEffect } from 'vue';
 import type { Status } from '../api/types';
 import { page } from '../router';
@@ -31,14 +31,14 @@ function choose(way: Way, on: boolean): void {
 }
 
 let audio: AudioContext | null = null;
-/** Browsers let a page sound only after somebody clicked or typed on it. */
+/** Browsers allow sound only after a click or a key press on the page. */
 function readyAudio(): void {
   if (!chosen.sound.value) return;
   audio ??= new AudioContext();
   void audio.resume();
 }
 
-/** Where the page may sound, that takes a moment at most. */
+/** If the page may play sound, resuming takes at most a moment. */
 const AUDIO_MS = 500;
 async function canSound(): Promise<boolean> {
   readyAudio();
@@ -46,7 +46,7 @@ async function canSound(): Promise<boolean> {
   return audio?.state === 'running';
 }
 
-/** Two falling tones, or nothing: those of an alert long ago would all sound with the next click. */
+/** Two falling tones, only if sound is possible now: otherwise those of old alerts would all play at the next click. */
 export async function playSound(): Promise<void> {
   if (!await canSound()) return;
   [880, 587].forEach((hertz, i) => {
@@ -67,7 +67,7 @@ export function chooseSound(on: boolean): void {
   if (on) void playSound();
 }
 
-/** Why this browser shows no notifications; empty: it does, or asks. */
+/** Why this browser shows no notifications; empty: it does, or will ask. */
 export function notificationProblem(): string {
   if (!isSecureContext) return 'This browser shows notifications only over HTTPS or on the service’s own computer.';
   if (!('Notification' in window)) return 'This browser has no notifications.';
@@ -75,21 +75,21 @@ export function notificationProblem(): string {
 }
 
 async function notify(text: string): Promise<void> {
-  // One for each trouble, and told again each time: a browser changes one with the same tag silently otherwise.
+  // One tag per problem, with renotify: otherwise a browser replaces a notification with the same tag silently.
   const options = { body: text, tag: `ssl-visiond ${text}`, renotify: true, icon: 'icon-192.png' };
   const title = knownStatus.value?.site || 'ssl-visiond';
   try {
     const registration = await navigator.serviceWorker?.getRegistration();
-    // Some phones know no other way.
+    // The only way on some phones.
     if (registration?.active) return await registration.showNotification(title, options);
     const shown = new Notification(title, options);
     shown.onclick = () => { focus(); shown.close(); };
   } catch {
-    // The title and the sign still tell it.
+    // The title and the icon still show it.
   }
 }
 
-/** Answers why it could not be turned on; empty: it is as wished. */
+/** Returns why it could not be turned on; empty on success. */
 export async function chooseNotification(on: boolean): Promise<string> {
   if (on && !notificationProblem() && Notification.permission === 'default') await Notification.requestPermission();
   const problem = on ? notificationProblem() || (Notification.permission === 'granted' ? '' : 'Not allowed yet: answer the browser’s question first.') : '';
@@ -97,7 +97,7 @@ export async function chooseNotification(on: boolean): Promise<string> {
   return problem;
 }
 
-/** So long without any data, and it is told. */
+/** Silence of the service that triggers an alert. */
 const SILENCE_MS = 10_000;
 
 const isLookedAt = () => document.visibilityState === 'visible' && document.hasFocus();
@@ -124,7 +124,7 @@ export function tellAway(): void {
     before = now;
     if (trouble) tell(trouble);
   });
-  // Once for each silence. A service that is started again is back sooner.
+  // Once per silence. A restarted service is back sooner.
   let silence: ReturnType<typeof setTimeout> | undefined;
   watch(isStale, (stale) => {
     clearTimeout(silence);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What lies too far beyond the field for a camera to look at: the service knows, nothing here computes it again.
+// Image areas too far beyond the field for a camera to search: the service computes them, not the panel.
 import { shallowRef, watch, type ShallowRef } from 'vue';
 import { api } from '../api/client';
 import type { FieldView } from '../api/types';
 import type { Rectangle } from '../picture/mask';
 import { revision } from './settings';
 
-/** Loaded again whenever settings change. Empty while it is not known. */
+/** Reloaded whenever settings change. Empty while unknown. */
 export function useFieldView(camera: () => number | undefined): Readonly<ShallowRef<Rectangle[]>> {
   const hidden = shallowRef<Rectangle[]>([]);
   watch([camera, revision], async ([id, asked], before) => {
@@ -16,7 +16,7 @@ export function useFieldView(camera: () => number | undefined): Readonly<Shallow
       const view = await api.get<FieldView>(`cameras/${id}/field_view`);
       if (id === camera() && asked === revision.value) hidden.value = view.hidden as Rectangle[];
     } catch {
-      // The connection's own notice says so; the next change asks again.
+      // The connection indicator reports it; the next change requests it again.
     }
   }, { immediate: true });
   return hidden;

@@ -46,7 +46,7 @@ describe('the way to GO', () => {
     const simulated = firstSteps(ready({ cameras: [camera()] }), admin);
     expect(states(simulated)).toMatchObject({ camera: 'todo', field: 'todo', colours: 'todo', calibration: 'todo', robots: 'todo', network: 'done', password: 'done' });
     expect(step(simulated, 'camera').text).toContain('A real camera is missing');
-    // Beside a real one it is not what the steps are about.
+    // With a real camera present, the steps ignore it.
     const both = firstSteps(ready({ cameras: [camera({ id: 7 }), real(0, { robots: 0 })], alerts: [alert('not_calibrated', 7)] }), admin);
     expect(states(both)).toMatchObject({ camera: 'done', calibration: 'done', robots: 'todo' });
   });

@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// The way from a fresh install to GO: what is done and what is missing, by the service's own checks and alerts.
+// The steps from a fresh install to GO: what is done and what is missing, by the service's own checks and alerts.
 import type { Alert, CameraStatus, Check, Session, Status } from '../api/types';
 import { plural } from '../format';
 
 export interface Step {
   id: 'camera' | 'network' | 'field' | 'colours' | 'calibration' | 'robots' | 'password';
   title: string;
-  /** todo: still to be done; trouble: it was done, and something is wrong now. */
+  /** todo: still to do; trouble: it was done, but something is wrong now. */
   state: 'done' | 'todo' | 'trouble';
   /** What is done, or what is missing. */
   text: string;
   action: { text: string; href: string } | { text: string; does: 'password' | 'address' };
-  /** Once done it stays done, whatever is on the field and whether cameras answer. */
+  /** Once done it stays done, whatever is on the field and whether or not cameras answer. */
   lasts: boolean;
 }
 
-/** As the router's, which needs a window. */
+/** Like the router's, which needs a window. */
 const link = (page: string, argument?: string | number) => (argument === undefined ? `#/${page}` : `#/${page}/${argument}`);
 const isThisComputer = (card: string) => card === 'lo' || card.startsWith('127.');
-const SIMULATED_ONLY = 'Tested only with images from elsewhere, not of this field';
+const SIMULATED_ONLY = 'Tested only with simulated or recorded images';
 
 function camera(real: CameraStatus[], all: CameraStatus[]): Step {
   const action = { text: real.length ? 'Cameras' : 'Add a camera', href: link('settings', 'cameras') };
@@ -51,7 +51,7 @@ function field(status: Status, checks: Map<string, Check>, alerts: Alert[], only
   return { ...base, state: 'todo', text: `${size}: compare it with your field. Calibrated cameras then measure the lines` };
 }
 
-/** A step that every camera must take: `missing` and `wrong` are kinds of alerts. */
+/** A step that is required for every camera: `missing` and `wrong` are kinds of alerts. */
 function ofCameras(base: Pick<Step, 'id' | 'title'>, page: 'colours' | 'calibration', verb: string, done: string, cameras: CameraStatus[], alerts: Alert[],
   onlyTried: boolean, missing: string[], wrong: string[]): Step {
   const about = (kinds: string[]) => alerts.filter(({ id, camera: of }) => kinds.includes(id) && cameras.some((one) => one.id === of));
@@ -59,7 +59,7 @@ function ofCameras(base: Pick<Step, 'id' | 'title'>, page: 'colours' | 'calibrat
   const [trouble] = about(wrong);
   const first = todo?.camera ?? trouble?.camera ?? cameras[0]?.id;
   const whole = { ...base, action: { text: verb, href: first === undefined ? link(page) : link(page, first) }, lasts: true };
-  if (!cameras.length) return { ...whole, state: 'todo', text: 'Once there is a camera' };
+  if (!cameras.length) return { ...whole, state: 'todo', text: 'Add a camera first' };
   if (todo) return { ...whole, state: 'todo', text: todo.title };
   if (onlyTried) return { ...whole, state: 'todo', text: SIMULATED_ONLY };
   if (trouble) return { ...whole, state: 'trouble', text: trouble.title };
@@ -78,16 +78,16 @@ function robots(cameras: CameraStatus[], checks: Map<string, Check>, onlyTried: 
 function password(access: Session | null, addresses: string[]): Step {
   const base = { id: 'password' as const, title: 'Password', lasts: true };
   if (!access?.passwords.includes('admin'))
-    return { ...base, state: 'todo', text: 'Only this computer opens the panel until a password is set', action: { text: 'Set a password', does: 'password' } };
+    return { ...base, state: 'todo', text: 'The panel is reachable only from this computer until a password is set', action: { text: 'Set a password', does: 'password' } };
   if (access.may !== 'change')
     return { ...base, state: 'todo', lasts: false, text: 'Sign in to change something', action: { text: 'Sign in', does: 'password' } };
   return { ...base, state: 'done', text: addresses[0] ? `Other computers open ${addresses[0]}` : 'A password is set', action: { text: 'Open on a phone', does: 'address' } };
 }
 
-/** What leads to GO, in the order in which it is best done. */
+/** The steps to GO, in the recommended order. */
 export function firstSteps(status: Status, access: Session | null): Step[] {
   const real = status.cameras.filter(({ origin }) => origin === 'camera');
-  // A simulated camera never stands in for a real one.
+  // A simulated camera never replaces a real one.
   const cameras = real.length ? real : status.cameras;
   const onlyTried = !real.length && cameras.length > 0;
   const checks = new Map(status.checks.map((check) => [check.id as string, check]));
@@ -103,12 +103,12 @@ export function firstSteps(status: Status, access: Session | null): Step[] {
   ];
 }
 
-/** What this browser knows of the way. `begun`: it has seen a lasting step undone. */
+/** The progress stored in this browser. `begun`: it has seen an unfinished lasting step. */
 export type Progress = 'unknown' | 'begun' | 'dismissed';
 
 /**
- * Whether to show the steps. A field that was set up does not show them because its robots are in their boxes or a
- * cable is out: there are alerts for that.
+ * Whether to show the steps. A field that was set up does not show them again when its robots are in their boxes or a
+ * cable is unplugged: there are alerts for that.
  */
 export function showsSteps(steps: Step[], progress: Progress): boolean {
   if (progress === 'dismissed') return false;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a browser's tab says while its page is not looked at: verdict, what is wrong, where.
+// The title of the browser's tab: verdict, problem, site.
 import type { Status } from '../api/types';
 import { unrealWord } from './verdict';
 
-/** `unreal`: GO, but no camera looks at the field. */
+/** `unreal`: GO without a real camera. */
 export type Mood = 'go' | 'unreal' | 'nogo' | 'unknown';
 
 export function moodOf(status: Status | null): Mood {
@@ -22,14 +22,14 @@ export function whatIsWrong(status: Status): string {
   return status.checks.find(({ state }) => state === 'fail')?.title ?? '';
 }
 
-/** `status` null: what the service says now is not known. */
+/** `status` null: currently unknown. */
 export function headline(status: Status | null, isStale: boolean, page: string, site: string): string {
   const mood = moodOf(status);
   const first = isStale ? ['No data'] : mood === 'nogo' ? ['NO-GO', whatIsWrong(status!)] : [page, ...(mood === 'unreal' ? [unrealWord(status!.cameras)] : [])];
   return [...first, site].filter(Boolean).join(' · ');
 }
 
-/** What became worse from one status to the next, in words; null: nothing. */
+/** What became worse between two statuses, as a text; null: nothing. */
 export function newTrouble(before: Status, now: Status): string | null {
   const known = lostCameras(before);
   const lost = lostCameras(now).filter((id) => !known.includes(id));
@@ -44,6 +44,6 @@ const shapes: Record<Mood, string> = {
   unknown: '<circle cx="16" cy="16" r="15" fill="#6b7280" stroke="none"/><path d="M9 16h14"/>',
 };
 
-/** A drawn sign for the tab, told apart by shape as well as by colour. */
+/** The tab's icon, distinguished by shape as well as by colour. */
 export const sign = (mood: Mood): string =>
   `data:image/svg+xml,${encodeURIComponent(`<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32"><g stroke="#fff" stroke-width="4" fill="none" stroke-linecap="round" stroke-linejoin="round">${shapes[mood]}</g></svg>`)}`;

@@ -11,7 +11,7 @@ const timeline = (times: number[], p50: (number | null)[], id = 0): Timeline => 
   interval_s: 1, time_s: times,
   cameras: [{ id, latency_p50_ms: p50, latency_p99_ms: p50.map((value) => (value === null ? null : value * 2)) } as CameraTimeline],
 });
-/** The service's second 1000 was at 500 000 ms here. */
+/** The service's second 1000 corresponds to 500 000 ms here. */
 const localTime = (time: number) => 500_000 + 1000 * (time - 1000);
 
 describe('the history', () => {

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The last minute of each camera's figures: gathered while the panel is open, and filled from what the service keeps.
+// The last minute of each camera's figures: collected while the panel is open, and completed with the service's
+// timeline.
 import type { PacketTimeline, Status, Timeline } from '../api/types';
 
 export const HISTORY_MS = 60_000;
-/** A second of the timeline that is as near to a status says nothing new. */
+/** A second of the timeline that is this close to a status adds nothing. */
 const SAME_MS = 600;
 
 export interface Sample {
-  /** When it arrived, on the browser's monotonic clock. */
+  /** Time of arrival on the browser's monotonic clock. */
   at: number;
   p50: number;
   p99: number;
@@ -24,7 +25,7 @@ export class History {
 
   record(status: Status, at: number): void {
     for (const camera of status.cameras) {
-      // A camera that does not run has no latency; its figures are old.
+      // A camera that is not running has no latency; its figures are old.
       if (camera.state !== 'running') continue;
       let samples = this.cameras.get(camera.id);
       if (!samples) this.cameras.set(camera.id, (samples = []));
@@ -36,8 +37,8 @@ export class History {
   }
 
   /**
-   * Adds what the service measured while nobody was there to hear it. `localTime` tells when a moment of the service's
-   * clock was, on the browser's monotonic one.
+   * Adds what the service measured while the panel was not connected. `localTime` converts a Unix time of the service
+   * to the browser's monotonic clock.
    */
   fill(timeline: Timeline, localTime: (unixSeconds: number) => number): void {
     const times = timeline.time_s.map(localTime);
@@ -49,7 +50,7 @@ export class History {
     }
   }
 
-  /** Likewise, of the packets. */
+  /** The same for packets. */
   fillPackets(timeline: PacketTimeline, localTime: (unixSeconds: number) => number): void {
     this.network = filled(this.network, timeline.time_s.map(localTime), (at, i) => ({ at, packetsPerS: timeline.packets_per_s[i]! }));
   }
@@ -63,7 +64,7 @@ export class History {
   }
 }
 
-/** What was heard, and what it lacks: `missed` is asked for the sample at each of the times. */
+/** The received samples, and those that are missing: `missed` returns the sample for each of the times. */
 function filled<Of extends { at: number }>(heard: readonly Of[], times: number[], missed: (at: number, i: number) => Of | null): Of[] {
   const lacking = times.flatMap((at, i) => (heard.some((sample) => Math.abs(sample.at - at) < SAME_MS) ? [] : missed(at, i) ?? []));
   const samples = [...heard, ...lacking].sort((a, b) => a.at - b.at);

@@ -2,7 +2,7 @@
 import { describe, expect, it } from 'vitest';
 import { LinkMeter } from './linkMeter';
 
-/** Statuses made at `made`, in ms of uptime, that take `lateMs` each. */
+/** Statuses made at `made`, in ms of uptime, each delayed by `lateMs`. */
 function hear(meter: LinkMeter, made: number[], lateMs: (i: number) => number): void {
   made.forEach((uptime, i) => meter.heard(uptime, 1000 + uptime + lateMs(i)));
 }

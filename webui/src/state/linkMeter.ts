@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the link to the service does: whether its statuses come late, or fewer than it makes. Both clocks are ones that nobody
-// sets: the service's uptime and the browser's performance.now().
+// The quality of the link to the service: whether statuses arrive late, or not all of them. Nobody sets the two clocks
+// it uses: the service's uptime and the browser's performance.now().
 
-/** The service makes a status twice a second; where the link is slow, newer ones take the place of those that wait. */
+/** The service makes a status twice a second; on a slow link, newer ones replace those that wait. */
 const SLOW_GAP_MS = 1200;
 const GOOD_GAP_MS = 800;
-/** Later than the fastest status of this connection. */
+/** Delay relative to the fastest status of this connection. */
 const SLOW_LATE_MS = 600;
 const GOOD_LATE_MS = 250;
-/** So much is judged, and no less than a few statuses. */
+/** Period that is judged, with at least a few statuses. */
 const WINDOW_MS = 6000;
 const FEWEST = 3;
-/** Two clocks go apart by no more than this share: the fastest status is forgotten as quickly. */
+/** The two clocks drift apart by no more than this share; the fastest status is forgotten at the same rate. */
 const DRIFT = 1e-4;
 
 interface Heard {
@@ -22,17 +22,17 @@ interface Heard {
 
 export class LinkMeter {
   private recent: Heard[] = [];
-  /** The service's uptime minus our clock, at the fastest status. */
+  /** The service's uptime minus the local clock, at the fastest status. */
   private ahead = -Infinity;
   private slow = false;
 
-  /** A new connection: the link may be another one, and so may the service's run. */
+  /** A new connection: the link may be different, and the service may have restarted. */
   opened(): void {
     this.recent = [];
     this.ahead = -Infinity;
   }
 
-  /** A status, which says the service's uptime, came at `at`. */
+  /** Records a status with the service's uptime that arrived at `at`. */
   heard(uptimeMs: number, at: number): void {
     const last = this.recent.at(-1);
     if (last && uptimeMs < last.uptimeMs) this.opened();
@@ -48,10 +48,10 @@ export class LinkMeter {
     else if (gapMs < GOOD_GAP_MS && lateMs < GOOD_LATE_MS) this.slow = false;
   }
 
-  /** What has come so far came late or seldom. */
+  /** Whether statuses have arrived late or rarely. */
   get isSlow(): boolean { return this.slow; }
 
-  /** The service's uptime now, as well as one can tell; null before its first status. */
+  /** Estimate of the service's current uptime; null before its first status. */
   uptimeMs(at: number): number | null {
     return this.ahead === -Infinity ? null : at + this.ahead;
   }

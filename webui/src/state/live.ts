@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the daemon said last, and whether that is still worth showing.
+// The daemon's last messages, and whether they are still live.
 import { computed, ref, shallowReactive, shallowRef } from 'vue';
 import { api } from '../api/client';
 import { PanelSocket } from '../api/socket';
@@ -9,14 +9,14 @@ import { mergeBalls, mergeRobots, type SeenBall, type SeenRobot } from '../field
 import { History, HISTORY_MS } from './history';
 import { LinkMeter } from './linkMeter';
 
-/** After this long without news nothing is shown as live any more. */
+/** After this long without a status, nothing is shown as live. */
 export const STALE_MS = 3000;
-/** The same over a link that is known to be slow: without a word of any kind, and without a status. */
+/** The same on a link that is known to be slow: without any message, and without a status. */
 const SLOW_STALE_MS = 6000;
 const SLOW_STATUS_MS = 12_000;
-/** With the next status this late, the link is slow or dead; which of them, time tells. */
+/** If the next status is this late, the link is slow or dead. */
 const LATE_STATUS_MS = 1800;
-/** A camera's objects leave the field map after this long without news of that camera. */
+/** A camera's objects are removed from the field map after this long without a message about that camera. */
 const OBJECTS_MS = 1000;
 
 const lastStatus = shallowRef<Status | null>(null);
@@ -26,23 +26,23 @@ export const isOpen = ref(false);
 
 export const silentSeconds = computed(() => Math.max(0, (now.value - lastStatusAt.value) / 1000));
 const meter = new LinkMeter();
-/** As the statuses so far tell it. */
+/** Whether statuses have arrived late so far. */
 const areStatusesLate = ref(false);
-/** Views to which even the smallest images come late or seldom. */
+/** Views for which even the smallest images arrive late or rarely. */
 const starved = shallowReactive(new Set<object>());
 const isKnownSlow = computed(() => areStatusesLate.value || starved.size > 0);
 export function setStarved(view: object, is: boolean): void {
   if (is) starved.add(view);
   else starved.delete(view);
 }
-/** When the connection said anything last. */
+/** Time of the last message of any kind on the connection. */
 const heardAt = ref(0);
 export const isStale = computed(() => {
   const silentMs = now.value - lastStatusAt.value;
   if (!isOpen.value || !isKnownSlow.value) return silentMs >= STALE_MS;
   return now.value - heardAt.value >= SLOW_STALE_MS || silentMs >= SLOW_STATUS_MS;
 });
-/** What the service says comes late or seldom; that it is silent is something else. */
+/** Messages arrive late or rarely; silence is a different state. */
 export const isLinkSlow = computed(() => !isStale.value && lastStatus.value !== null && isOpen.value && (isKnownSlow.value || now.value - lastStatusAt.value >= LATE_STATUS_MS));
 
 /** The last status whatever its age: for names and shapes, never for live numbers. */
@@ -54,11 +54,11 @@ export type Connection = 'connecting' | 'live' | 'stale';
 export const connection = computed<Connection>(() =>
   isStale.value ? 'stale' : lastStatus.value && isOpen.value ? 'live' : 'connecting');
 
-/** In the place of what the service has not said yet. */
+/** Shown until the service has sent data. */
 export const waitingText = computed(() => (isStale.value ? 'The service cannot be reached. The panel tries again automatically.' : 'Connecting to ssl-visiond…'));
 
 export const history = new History();
-/** Grows with every status, so that computed values built on the history follow it. */
+/** Increases with every status, so that values computed from the history are updated. */
 export const historyVersion = ref(0);
 
 export interface FieldObjects {
@@ -85,7 +85,7 @@ function gatherObjects(): void {
 
 const watchers = new Set<(data: Detections) => void>();
 
-/** Calls with every image's detections, of all cameras. Returns how to stop that. */
+/** Calls `watcher` with the detections of every image of all cameras. Returns a function that stops it. */
 export function watchDetections(watcher: (data: Detections) => void): () => void {
   watchers.add(watcher);
   return () => { watchers.delete(watcher); };
@@ -102,8 +102,8 @@ function onDetections(data: Detections): void {
 const trackWatchers = new Set<(tracks: FieldTracks) => void>();
 
 /**
- * Calls with what the service makes of all cameras, some thirty times a second; the service sends it only while somebody
- * watches. Returns how to stop that.
+ * Calls `watcher` with the tracks of all cameras, about thirty times a second; the service sends them only while
+ * somebody watches. Returns a function that stops it.
  */
 export function watchTracks(watcher: (tracks: FieldTracks) => void): () => void {
   if (trackWatchers.size === 0) socket?.send({ subscribe: ['field'] });
@@ -113,13 +113,13 @@ export function watchTracks(watcher: (tracks: FieldTracks) => void): () => void 
   };
 }
 
-/** Of each camera, how many images the service had when its number grew last, and the uptime then. */
+/** For each camera: the number of images at the service when it last increased, and the uptime then. */
 const growths = new Map<number, { frames: number; uptime_s: number }>();
 
-/** The connection is new: what was measured before it is asked for once the clocks can be compared. */
+/** The connection is new: earlier measurements are requested once the clocks can be compared. */
 let hasGap = false;
 
-/** A graph that cannot be filled fills by itself: no reason to tell anybody. */
+/** On failure the graph fills up automatically, so nothing is reported. */
 async function fillGap(daemonTime: number, at: number): Promise<void> {
   const seconds = HISTORY_MS / 1000;
   const localTime = (time: number) => at + 1000 * (time - daemonTime);
@@ -148,8 +148,8 @@ function onStatus(status: Status): void {
 }
 
 /**
- * Seconds since a moment by the service’s clock, at least: the fastest status of late tells what that says now. What the
- * network takes at its fastest cannot be told apart from a clock that is behind.
+ * Time since a moment on the service's clock, s, at least: the current time there is estimated from the fastest recent
+ * status. The network's minimum delay cannot be distinguished from a clock that is behind.
  */
 export function ageOf(daemonTime: number): number {
   const uptimeMs = meter.uptimeMs(performance.now());
@@ -158,7 +158,7 @@ export function ageOf(daemonTime: number): number {
   return Math.max(0, status.time - status.uptime_s + uptimeMs / 1000 - daemonTime);
 }
 
-/** Seconds for which the service itself had no new image of a camera, at its last status. */
+/** Seconds in which the service itself got no new image from a camera, at its last status. */
 export function imageGapAtService(camera: number): number {
   return Math.max(0, (lastStatus.value?.uptime_s ?? 0) - (growths.get(camera)?.uptime_s ?? 0));
 }
@@ -167,14 +167,14 @@ export type PreviewListener = (message: PreviewMessage) => void;
 const previews = new Map<number, { request: PreviewRequest; listener: PreviewListener }>();
 let socket: PanelSocket | null = null;
 
-/** Asks for a camera's images; asking again changes size and rate. Survives reconnects. */
+/** Requests a camera's images; a second call changes size and rate. Survives reconnects. */
 export function startPreview(request: PreviewRequest, listener: PreviewListener): void {
   previews.set(request.camera, { request, listener });
   socket?.send({ preview: request });
 }
 
 export function stopPreview(camera: number, listener: PreviewListener): void {
-  // Another view may have taken this camera over in the meantime.
+  // Another view may have taken over this camera meanwhile.
   if (previews.get(camera)?.listener !== listener) return;
   previews.delete(camera);
   socket?.send({ stop_preview: camera });
@@ -192,12 +192,12 @@ export interface PictureLine {
 }
 export const sharedLine: PictureLine = { start: startPreview, stop: stopPreview, acknowledge };
 
-/** A connection of its own for a second image of the same camera: the shared one carries one of each. */
+/** A separate connection for a second image of the same camera: the shared one carries only one of each camera. */
 export function openLine(): PictureLine & { end(): void } {
   let wanted: { request: PreviewRequest; listener: PreviewListener } | null = null;
   const line = new PanelSocket(socketUrl(), {
     open() {
-      // Without a word now and then a connection counts as dead.
+      // A connection without regular messages counts as dead, so it subscribes to the status.
       line.send({ subscribe: ['status'] });
       if (wanted) line.send({ preview: wanted.request });
     },

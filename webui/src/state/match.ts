@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The match in words, as the game controller tells it.
+// The match reported by the game controller, as texts.
 import type { Status } from '../api/types';
 
 export type Match = NonNullable<Status['referee']['match']>;
 
-/** The game controller is heard a few times a second; after this long it is silent. */
+/** The game controller sends several times a second; after this long it counts as silent. */
 export const QUIET_S = 5;
 
 const stages: Record<Match['stage'], string> = {
@@ -26,7 +26,7 @@ const stages: Record<Match['stage'], string> = {
 };
 export const stageText = ({ stage }: Match): string => stages[stage];
 
-/** "3:07", or "−0:12" for a stage that lasts longer than it should; '' where the stage has no clock. */
+/** "3:07", or "−0:12" for a stage that overruns; '' if the stage has no clock. */
 export function clockText({ time_left_s }: Match): string {
   if (time_left_s === null) return '';
   const seconds = Math.abs(Math.trunc(time_left_s));

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Has the browser keep the panel's files, once the panel works. Browsers do so over HTTPS and on the service's own computer
-// only; elsewhere, or where there is no room, all is as without it.
+// Lets the browser cache the panel's files, once the panel works. Browsers do so only over HTTPS and on the service's
+// own computer; elsewhere, or without disk space, nothing changes.
 import { watch } from 'vue';
 import { isLinkSlow, liveStatus } from './live';
 
-/** First images come first; over a slow link they get longer. */
+/** The first images are loaded before; on a slow link they get more time. */
 const AFTER_MS = 4000;
 const AFTER_SLOW_MS = 20_000;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import 'vue'; // which looks for a document when it is loaded
+import 'vue'; // looks for a document when it is loaded
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 
 vi.mock('../router', async () => ({ page: (await import('vue')).ref({ name: 'overview' }) }));
@@ -13,7 +13,7 @@ const deleted: string[] = [];
 let storage: Map<string, string>;
 let registration: { active: object; installing: object | null; waiting: null; update(): Promise<void>; unregister(): void };
 
-/** A worker that has a panel. */
+/** A worker that has this panel. */
 const worker = (entry: string) => ({ postMessage: (asked: string, [port]: [MessagePort]) => port.postMessage(asked === entry) });
 
 async function outdated() {
@@ -40,7 +40,7 @@ beforeEach(() => {
   vi.stubGlobal('caches', { keys: async () => ['ssl-visiond-panel-0', 'another-page'], delete: async (name: string) => deleted.push(name) });
   vi.stubGlobal('sessionStorage', { getItem: (key: string) => storage.get(key) ?? null, setItem: (key: string, value: string) => storage.set(key, value) });
   vi.stubGlobal('location', { reload });
-  // Ports answer in tasks of their own, which the clock of a test does not move.
+  // Real ports answer in tasks of their own, which fake timers do not advance.
   vi.stubGlobal('MessageChannel', class {
     port1: { onmessage?: (event: { data: unknown }) => void } = {};
     port2 = { postMessage: (data: unknown) => this.port1.onmessage?.({ data }) };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The service worker, built as panelFiles.ts builds it, with caches and a service made up here.
+// The service worker, built as in panelFiles.ts, with simulated caches and a simulated service.
 import { beforeEach, describe, expect, it, vi } from 'vitest';
 import { transformWithEsbuild } from 'vite';
 import source from '../../sw/sw.ts?raw';

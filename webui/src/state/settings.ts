@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The settings tree as the service has it, and changes on their way to it. A change counts once the service says that
-// it is on disk; one that was made on an older revision is only sent again when nobody else touched the same.
+// The service's settings tree, and pending changes. A change counts once the service confirms that it is on disk; one
+// based on an older revision is only sent again if nobody else changed the same setting.
 import { ref, shallowRef, watch } from 'vue';
 import { api, ApiError, messageOf } from '../api/client';
 import type { RestoredBackup, SettingsChange, SettingsRevision, SettingsStep, Stale } from '../api/types';
@@ -11,10 +11,10 @@ import { knownStatus } from './live';
 /** null until loaded. */
 export const settings = shallowRef<Json | null>(null);
 export const revision = ref(0);
-/** Version of the settings' format, which an export says. */
+/** Version of the settings' format, which is written to exports. */
 export const version = ref(1);
 export const schema = shallowRef<SchemaNode | null>(null);
-/** Why they could not be loaded. */
+/** Why loading failed. */
 export const loadError = ref('');
 
 export type SaveState =
@@ -25,13 +25,13 @@ export type SaveState =
 export const saveState = ref<SaveState>({ kind: 'idle' });
 
 export type Outcome =
-  /** `revision`: of the step that it made, if it made one. `refused`: what cameras did not take of it, if anything. */
+  /** `revision`: of the new step, if any. `refused`: parts that cameras did not accept, if any. */
   | { kind: 'saved'; revision?: number; refused?: readonly string[] }
-  /** Not allowed; `text` says why. The old settings stay. */
+  /** Invalid; `text` says why. The old settings stay. */
   | { kind: 'refused'; text: string }
-  /** Somebody else changed the same meanwhile: the newest such step. */
+  /** Another user changed the same setting meanwhile: the newest such step. */
   | { kind: 'stale'; step: SettingsStep }
-  /** The service could not be asked, or could not save. */
+  /** The service could not be reached, or could not save. */
   | { kind: 'failed'; text: string };
 
 function take(answer: SettingsRevision): void {
@@ -43,7 +43,7 @@ function take(answer: SettingsRevision): void {
 
 let loading: Promise<void> | null = null;
 
-/** Loads settings and schema; those who come while that lasts wait for the same. */
+/** Loads settings and schema; concurrent calls share one request. */
 export function loadSettings(): Promise<void> {
   loading ??= (async () => {
     const before = revision.value;
@@ -53,7 +53,7 @@ export function loadSettings(): Promise<void> {
         schema.value ?? api.get<SchemaNode>('schema'),
       ]);
       schema.value = newSchema;
-      // A restarted service may count from an older revision; but an answer that a newer one has overtaken is old.
+      // A restarted service may count from an older revision; but an answer overtaken by a newer one is outdated.
       if (revision.value === before) revision.value = 0;
       take(answer);
       loadError.value = '';
@@ -66,7 +66,7 @@ export function loadSettings(): Promise<void> {
   return loading;
 }
 
-/** For components: the tree, loaded now unless it is, and kept up with what others change. */
+/** For components: the tree, which is loaded if necessary and follows the changes of others. */
 export function useSettings() {
   if (!settings.value) void loadSettings();
   return { settings, schema, revision, loadError };
@@ -74,24 +74,24 @@ export function useSettings() {
 watch(knownStatus, (status, before) => {
   const newest = status?.settings_revision;
   if (!settings.value || newest === undefined || newest === revision.value || saveState.value.kind === 'saving') return;
-  // With every status: what was loaded or saved last may have been answered before the newest step. A status that is
-  // behind is late; one that goes back is of a restarted service.
+  // Checked with every status: the last load or save may have been answered before the newest step. A lower revision
+  // means a late status; a decreasing one means a restarted service.
   if (newest > revision.value || newest !== before?.settings_revision) void loadSettings();
 });
 
 interface OwnStep {
   revision: number;
-  /** Where something was changed. */
+  /** Paths of its changes. */
   paths: string[];
 }
-/** Steps that this browser made and that can be taken back, newest last. */
+/** Steps of this browser that can be undone, newest last. */
 const ownSteps = ref<OwnStep[]>([]);
 const isBelow = (places: string[]) => ({ paths }: OwnStep) => paths.every((path) => places.some((place) => path === place || path.startsWith(`${place}/`)));
-/** The newest of those that changed nothing but what stands at or below these places. */
+/** The newest of those that changed nothing outside these places. */
 const lastOwn = (places: string[]) => ownSteps.value.filter(isBelow(places)).at(-1);
 export const canUndo = (places = ['']) => lastOwn(places) !== undefined;
 
-/** Changes go one after the other, so that each is made on what the one before left. */
+/** One change at a time, so that each builds on the previous one. */
 let queue: Promise<unknown> = Promise.resolve();
 function inTurn<T>(work: () => Promise<T>): Promise<T> {
   const result = queue.then(work);
@@ -113,7 +113,7 @@ async function attempt(work: () => Promise<Outcome>): Promise<Outcome> {
   return outcome;
 }
 
-/** Shows, where changes of settings are shown, what becomes of a request that saves in another way. Throws what it throws. */
+/** Shows a request that saves in another way as a change of the settings, with its outcome. Throws what it throws. */
 export async function showSaving<T>(work: () => Promise<T>): Promise<T> {
   saveState.value = { kind: 'saving' };
   try {
@@ -134,7 +134,7 @@ const sameRevision = () => ({ 'If-Match': String(revision.value) });
 function takeOwn(answer: SettingsRevision, paths: string[], joins = false): Outcome {
   const isNew = answer.revision !== revision.value;
   if (isNew) {
-    // The service has joined it to the step before, if that changed the same: it is no longer there.
+    // The service merged it into the previous step, which changed the same setting: that step no longer exists.
     const last = ownSteps.value.at(-1);
     if (joins && last?.revision === revision.value && last.paths.join() === paths.join()) ownSteps.value.pop();
     ownSteps.value.push({ revision: answer.revision, paths });
@@ -144,11 +144,11 @@ function takeOwn(answer: SettingsRevision, paths: string[], joins = false): Outc
 }
 
 /**
- * Cameras are addressed by their place in the list, where another one may stand by the time that a change arrives:
- * the change is only for the camera that stands there in this tree.
+ * Cameras are addressed by their index in the list, where another camera may be when a change arrives: restricts the
+ * change to the camera at that index in this tree.
  */
 function sameCameras(tree: Json | null, paths: string[]): Operation[] {
-  // Who changes the id itself, and again before that is saved, means the place.
+  // A change of the id itself, repeated before it is saved, means the index.
   const others = paths.filter((path) => !/^\/cameras\/\d+\/id$/.test(path));
   const places = new Set(others.flatMap((path) => /^\/cameras\/\d+(?=\/|$)/.exec(path) ?? []));
   return [...places].flatMap((place) => {
@@ -182,7 +182,7 @@ async function saveNow(operations: Operation[] | ((tree: Json) => Operation[]), 
   return list.length ? patch(list, tests.length ? tests : sameCameras(settings.value, list.map(({ path }) => path)), joins()) : { kind: 'saved' };
 }
 
-/** Saves a JSON Patch. `operations` is asked for when its turn comes, on the newest tree. */
+/** Saves a JSON Patch. A function is called when its turn comes, with the newest tree. */
 export function save(operations: Operation[] | ((tree: Json) => Operation[])): Promise<Outcome> {
   const tests = typeof operations === 'function' ? [] : sameCameras(settings.value, operations.map(({ path }) => path));
   return inTurn(() => attempt(() => saveNow(operations, tests)));
@@ -191,8 +191,9 @@ export function save(operations: Operation[] | ((tree: Json) => Operation[])): P
 const waiting = new Map<string, { value: Json; joins: boolean; outcome: Promise<Outcome> }>();
 
 /**
- * Saves one value. While one is on its way, only the newest of those that follow is sent: a slider may be dragged.
- * `joins`: it is one step of the history with the value saved before, if nothing else was changed in between.
+ * Saves one value. While a request is pending, only the newest of the following values is sent: a slider may be
+ * dragged. `joins`: it forms one step of the history with the value saved before, if nothing else was changed in
+ * between.
  */
 export function saveValue(pointer: string, value: Json, joins = false): Promise<Outcome> {
   const before = waiting.get(pointer);
@@ -211,7 +212,7 @@ export function saveValue(pointer: string, value: Json, joins = false): Promise<
   return entry.outcome;
 }
 
-/** What was looked at before it was done, on the settings of `lookedAt`: refused when they are others by now. */
+/** Runs a change that the user reviewed on revision `lookedAt`; refused if the settings have changed since. */
 const reviewed = (work: (headers: Record<string, string>) => Promise<SettingsRevision>, lookedAt: number, paths: string[]): Promise<Outcome> => inTurn(() => attempt(async () => {
   try {
     return takeOwn(await work({ 'If-Match': String(lookedAt) }), paths);
@@ -223,19 +224,19 @@ const reviewed = (work: (headers: Record<string, string>) => Promise<SettingsRev
   }
 }));
 
-/** Applies the parts of a profile that lie at `paths`. */
+/** Applies the parts of a profile at `paths`. */
 export const applyProfile = (name: string, paths: string[], lookedAt: number): Promise<Outcome> =>
   reviewed((headers) => api.post<SettingsRevision>(`profiles/${encodeURIComponent(name)}/apply`, { paths }, headers), lookedAt, paths);
 
-/** Makes changes that were chosen from a file. */
+/** Applies changes selected from a file. */
 export const importChanges = (operations: Operation[], lookedAt: number): Promise<Outcome> =>
   reviewed((headers) => api.patch<SettingsRevision>('settings', operations, headers), lookedAt, operations.map(({ path }) => path));
 
-/** Takes a backup for everything that is kept. */
+/** Replaces everything that is kept by a backup. */
 export const restoreBackup = (file: Blob, lookedAt: number): Promise<Outcome> =>
   reviewed((headers) => api.upload<RestoredBackup>('backup/restore', file, headers), lookedAt, ['']);
 
-/** What a change would do, or why it would be refused. Nothing is changed. */
+/** Previews a change, or returns why it would be refused. Changes nothing. */
 export async function checkChange(operations: Operation[]): Promise<{ changes: SettingsChange[] } | { error: string }> {
   try {
     return await api.post<{ changes: SettingsChange[] }>('settings/check', operations);
@@ -246,7 +247,7 @@ export async function checkChange(operations: Operation[]): Promise<{ changes: S
 
 const forgetOwn = (step: number): void => { ownSteps.value = ownSteps.value.filter((own) => own.revision !== step); };
 
-/** `pick` is asked for the step when its turn comes. */
+/** `pick` selects the step when its turn comes. */
 const undo = (pick: () => number | undefined): Promise<Outcome> => inTurn(() => attempt(async () => {
   const step = pick();
   if (step === undefined) return { kind: 'saved' };
@@ -255,7 +256,7 @@ const undo = (pick: () => number | undefined): Promise<Outcome> => inTurn(() => 
     forgetOwn(step);
     return { kind: 'saved' };
   } catch (error) {
-    // 422: the history has it no longer.
+    // 422: the history does not contain it any more.
     if (error instanceof ApiError && error.status === 422) forgetOwn(step);
     if (!(error instanceof ApiError) || error.status !== 409) throw error;
     const [newest] = (error.body as Stale).changed_since;
@@ -264,16 +265,16 @@ const undo = (pick: () => number | undefined): Promise<Outcome> => inTurn(() => 
   }
 }));
 
-/** Takes one step of the history back. */
+/** Undoes one step of the history. */
 export const undoStep = (step: number): Promise<Outcome> => undo(() => step);
 
-/** The newest step that changed something there; null when the history knows none. */
+/** The newest step that changed something there; null if the history has none. */
 export async function newestStepAt(pointer: string): Promise<SettingsStep | null> {
   const steps = await api.get<SettingsStep[]>('settings/history').catch(() => []);
   return steps.find((step) => step.changes.some(({ path }) => overlap(path, pointer))) ?? null;
 }
 
-/** Takes this browser's last change at or below these places back, and says where it was. */
+/** Undoes this browser's last change at or below these places, and returns its outcome and paths. */
 export async function undoLast(places = ['']): Promise<{ outcome: Outcome; paths: string[] } | null> {
   if (!canUndo(places)) return null;
   let step: OwnStep | undefined;
@@ -281,7 +282,7 @@ export async function undoLast(places = ['']): Promise<{ outcome: Outcome; paths
   return { outcome, paths: step?.paths ?? [] };
 }
 
-/** The place of a camera in the list of the settings; -1 when it is not there. */
+/** Index of a camera in the list of the settings; -1: not found. */
 export function cameraIndex(id: number): number {
   const cameras = valueAt(settings.value ?? undefined, '/cameras');
   return Array.isArray(cameras) ? cameras.findIndex((camera) => valueAt(camera, '/id') === id) : -1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Dark or light: the reader's choice if there is one, else the system's. public/theme.js sets it before the first paint.
+// Dark or light: the user's choice if there is one, else the system's. public/theme.js sets it before the first paint.
 import { ref } from 'vue';
 
 export type Theme = 'dark' | 'light';

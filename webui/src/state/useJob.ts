@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Something the service works on for a while (a calibration, learning colours): its state, kept up to date, and what
-// can be asked of it.
+// A job that takes the service a while (a calibration, learning colours): its state, polled, and its commands.
 import { computed, onUnmounted, ref, shallowRef } from 'vue';
 import { api, messageOf } from '../api/client';
 import { showSaving } from './settings';
@@ -8,14 +7,14 @@ import { showSaving } from './settings';
 const RUNNING_MS = 500;
 const IDLE_MS = 2000;
 
-/** `path` is what follows "api/". */
+/** `path` is the part after "api/". */
 export function useJob<State extends { state: string }>(path: string) {
   const state = shallowRef<State | null>(null);
-  /** Why the state is not known. */
+  /** Why the state is unknown. */
   const problem = ref('');
   const running = computed(() => state.value?.state === 'collecting' || state.value?.state === 'solving');
   let timer: ReturnType<typeof setTimeout> | undefined;
-  // An answer counts unless something newer was asked since.
+  // Answers overtaken by a later request are ignored.
   let newest = 0;
   let alive = true;
 

@@ -5,8 +5,8 @@ import { messageOf } from '../api/client';
 const PERIOD_MS = 1000;
 
 /**
- * Asks the service once a second, or as seldom as `period_ms` says, while the page is open and in sight, never twice at a time.
- * What comes back says what went wrong the last time; empty: nothing.
+ * Calls `ask` every `period_ms` while the page is open and visible, one call at a time. Returns the error of the last
+ * call; empty: none.
  */
 export function usePolling(ask: () => Promise<void>, period_ms = PERIOD_MS): Ref<string> {
   const trouble = ref('');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Go or No-Go in words.
+// The verdict as texts.
 import type { CameraStatus, Check } from '../api/types';
 import { plural } from '../format';
 
@@ -11,16 +11,19 @@ export function verdictText(checks: readonly Check[]): string {
   return warned ? `${first}, ${plural(warned, 'warning')}` : first;
 }
 
-/** What images are that no camera over the field sends; empty for those of one. */
+/** The origin of images that are not from a camera over the field; empty for a camera. */
 export const originWord = (origin: CameraStatus['origin']) => ({ camera: '', recording: 'recorded', simulation: 'simulated' })[origin];
 
-/** "simulated": what all images are when no camera looks at the field, so that a verdict is not about it. Empty when one does. */
+/**
+ * "simulated": the origin of all images if there is no real camera, so that a verdict is not about the field. Else
+ * empty.
+ */
 export function unrealWord(cameras: readonly CameraStatus[]): string {
   if (cameras.some(({ origin }) => origin === 'camera')) return '';
   return [...new Set(cameras.map(({ origin }) => originWord(origin)))].sort().join(' and ');
 }
 
-/** The same as a sentence has it: "simulated images only". */
+/** The same for use in a sentence: "simulated images only". */
 export function unrealText(cameras: readonly CameraStatus[]): string {
   const word = unrealWord(cameras);
   return word && `${word} images only`;

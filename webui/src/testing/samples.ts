@@ -24,7 +24,7 @@ export function camera(changes: Partial<CameraStatus> = {}): CameraStatus {
 
 export function status(changes: Partial<Status> = {}): Status {
   return {
-    version: '0.1.0', site: 'Demo field', time: 1790000000, uptime_s: 60, field: divisionB,
+    version: '1.0.0', site: 'Demo field', time: 1790000000, uptime_s: 60, field: divisionB,
     network: { group: '224.5.23.2', port: 10006, interface: 'lo', error: '', packets_sent: 1234, send_errors: 0, packets_per_s: 121, packets_refused: 0, other_visions: [] },
     referee: {
       enabled: true, group: '224.5.23.1', port: 10003, error: '', source: '', address: '', other: null, silent_s: null,

@@ -12,7 +12,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::access_test {
 namespace {
 
 using testing::HasSubstr;
@@ -27,11 +27,11 @@ class AccessTest : public testing::Test {
     }
     return 0;
   }
-  /// What a browser sends of a Set-Cookie header.
+  /// The part of a Set-Cookie header that a browser sends back.
   static std::string cookie(const std::string& set_cookie) {
     return set_cookie.substr(0, set_cookie.find(';'));
   }
-  /// As crypt(3) makes them in a fraction of the time, for tests that sign in a thousand times.
+  /// Sets passwords with hashes that crypt(3) computes quickly, for tests that sign in a thousand times.
   void set_cheaply(const std::string& admin, const std::string& viewer) {
     const auto hash = [](const std::string& password) {
       return std::string(::crypt(password.c_str(), "$6$rounds=1000$salt$"));
@@ -108,7 +108,7 @@ TEST_F(AccessTest, ManySessionsOfViewersEndNeitherAnAdminsNorOtherViewers) {
   const std::string viewer = cookie(access_.sign_in("battery staple", "192.0.2.2"));
   std::vector<std::string> many;
   for (std::size_t i = 0; i < 2 * Access::kMaxSessions; ++i) {
-    now_s_ += 60;  // tries come back, and whoever signed in first is the idlest
+    now_s_ += 60;  // attempts are allowed again; the first session is idle for longest
     many.push_back(cookie(access_.sign_in("battery staple", "198.51.100." + std::to_string(i % 2))));
   }
   EXPECT_EQ(access_.may(admin), May::kChange);
@@ -124,15 +124,15 @@ TEST_F(AccessTest, ManyAddressesEndNoSessionOfAnOpenPanel) {
   set_cheaply("correct horse", "battery staple");
   std::vector<std::string> users, many;
   const auto open = [&](const std::string& address) {
-    now_s_ += 2;  // tries come back
+    now_s_ += 2;  // attempts are allowed again
     for (const std::string& one : users) EXPECT_EQ(access_.may(one), May::kLook) << address;
     return cookie(access_.sign_in("battery staple", address));
   };
-  for (int i = 0; i < 5; ++i) users.push_back(open("198.51.100.1"));  // behind one address, as a NAT has it
+  for (int i = 0; i < 5; ++i) users.push_back(open("198.51.100.1"));  // all behind one address, as with a NAT
   for (std::size_t i = 0; i <= Access::kMaxSessions; ++i)
     many.push_back(open((i < 128 ? "198.51.100." : "198.51.101.") + std::to_string(2 + i % 128)));
   EXPECT_EQ(access_.may(many.front()), May::kNothing);
-  // As many addresses, of one computer, whose sessions are all in use.
+  // The same number of addresses of one computer, whose sessions are all in use.
   users = {open("192.0.2.1"), open("192.0.2.1")};
   many.clear();
   for (std::size_t i = 0; i <= Access::kMaxSessions; ++i) {
@@ -146,7 +146,7 @@ TEST_F(AccessTest, AnotherPasswordEndsTheSessionsOfThatRole) {
   passwords_.set(Role::kAdmin, "correct horse");
   passwords_.set(Role::kViewer, "battery staple");
   const std::string admin = sign_in("correct horse"), viewer = sign_in("battery staple");
-  // As ssl-visionctl does it.
+  // Another program (ssl-visionctl) changes the password.
   Passwords(folder_.path() / Passwords::kFileName).set(Role::kViewer, "another staple");
   passwords_.reload_if_changed();  // as the service does once a second
   EXPECT_EQ(access_.may(viewer), May::kNothing);
@@ -290,4 +290,4 @@ TEST_F(AccessTest, RoomIsKeptForThisComputerAndForWhoGaveTheAdminsPasswordOfNow)
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::access_test

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::panel_reach_test {
 namespace {
 
 using testing::ElementsAre;
@@ -42,4 +42,4 @@ TEST(PanelReach, ThisComputerAloneIsNoAddress) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::panel_reach_test

@@ -10,7 +10,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::backup_file_test {
 namespace {
 
 using ::testing::AllOf;
@@ -30,7 +30,7 @@ std::string refusal(const std::string& bytes) {
   return "none";
 }
 
-/// A file of a backup that somebody wrote: with sums that are right.
+/// A forged backup, with valid checksums.
 std::string forged(std::vector<TarEntry> entries) {
   std::string sums;
   for (const TarEntry& entry : entries) sums += sha256_of(entry.content) + "  " + entry.name + "\n";
@@ -114,8 +114,8 @@ TEST(BackupFile, TheManifestSaysWhatIsAllowed) {
 }
 
 TEST(BackupFile, AFewBytesTakeLittleMemory) {
-  // What is unpacked has an end for all files together; tests/unit/web/tar_file_test.cpp has the ways around
-  // it.
+  // The unpacked size is limited for all files together; tests/unit/web/tar_file_test.cpp tests ways around
+  // that limit.
   std::vector<TarEntry> many{{"manifest.json", manifest("{}")}};
   for (int i = 0; i < 10; ++i)
     many.push_back({std::to_string(i), std::string(kMaxUnpackedBackupBytes / 8, ' ')});
@@ -133,4 +133,4 @@ TEST(BackupFile, OneThatWouldBeTooLargeIsNotWritten) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::backup_file_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::kept_files_test {
 namespace {
 
 class KeptPasswords : public testing::Test {
@@ -51,4 +51,4 @@ TEST_F(KeptPasswords, OneThatIsSetWhileABackupIsSavedIsNotTakenBack) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::kept_files_test

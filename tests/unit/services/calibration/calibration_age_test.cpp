@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::calibration_age_test {
 namespace {
 
 const Json kSettings{{"site", "A"}, {"field", {{"field_length", 9000}, {"goal_height", 160}}}};
@@ -49,4 +49,4 @@ TEST(CalibrationAge, GoesBackAsFarAsTheStepsFit) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::calibration_age_test

@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
-namespace sslv {
+namespace sslv::calibration_history_test {
 namespace {
 
 class CalibrationHistoryTest : public testing::Test {
@@ -96,4 +96,4 @@ TEST_F(CalibrationHistoryTest, WhatCannotBeSavedChangesNothing) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::calibration_history_test

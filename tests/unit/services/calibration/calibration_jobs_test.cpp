@@ -9,7 +9,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::calibration_jobs_test {
 namespace {
 
 using testing::AllOf;
@@ -19,7 +19,7 @@ CalibrationOrder order(const std::string& request) {
   return {read_calibration_request(Json::parse(request)), FieldSize{}, {}, "192.0.2.7", 0};
 }
 
-// Nothing can be found with these in a grey picture; with their names, that is soon known.
+// With these points nothing is found in a grey image; with their names, the search ends soon.
 constexpr const char* kPoints = R"([
   {"x": 5, "y": 5, "name": "corner left top"}, {"x": 50, "y": 5, "name": "corner right top"},
   {"x": 50, "y": 40, "name": "corner right bottom"}, {"x": 5, "y": 40, "name": "corner left bottom"}])";
@@ -30,7 +30,7 @@ std::string request(int frames) {
 
 class CalibrationJobsTest : public testing::Test {
  protected:
-  /// Delivers frames until the job is in this state; throws when it never is.
+  /// Delivers frames until the job is in this state; throws if it never is.
   CalibrationJobs::Job deliver_until(int camera_id, JobState state) {
     return wait(camera_id, state, [&] { cameras_.deliver(camera_id); });
   }
@@ -81,7 +81,7 @@ TEST_F(CalibrationJobsTest, OneAtATimeForEachCameraUntilItIsCancelled) {
   EXPECT_TRUE(jobs_.cancel(0));
   EXPECT_EQ(jobs_.job(0).state, JobState::kCancelled);
   EXPECT_FALSE(jobs_.cancel(0));
-  // The next one is not touched by what was cancelled.
+  // The next job is not affected by the cancelled one.
   ASSERT_TRUE(jobs_.start(0, order(request(2))));
   EXPECT_EQ(deliver_until(0, JobState::kDone).frames, 2);
 }
@@ -177,4 +177,4 @@ TEST(CalibrationJobs, EndWithoutWaitingForACamera) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::calibration_jobs_test

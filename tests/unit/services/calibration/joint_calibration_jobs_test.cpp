@@ -8,7 +8,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::joint_calibration_jobs_test {
 namespace {
 
 using testing::HasSubstr;
@@ -25,7 +25,7 @@ JointCalibrationOrder order(const JointCalibrationRequest& request) {
 
 class JointCalibrationJobsTest : public testing::Test {
  protected:
-  /// Delivers frames until the job is as it should be; throws when it never is.
+  /// Delivers frames until good(job) holds; throws if it never does.
   template <class Good>
   JointCalibrationJobs::Job deliver_until(Good good, PixelFormat of_camera_1 = PixelFormat::kRgb24) {
     JointCalibrationJobs::Job job;
@@ -70,7 +70,7 @@ TEST_F(JointCalibrationJobsTest, LooksForRobotsAsLongAsItShould) {
   EXPECT_FALSE(jobs_.start(kJointKey, order({{}, 1, 0})));
   EXPECT_TRUE(jobs_.cancel(kJointKey));
   EXPECT_EQ(jobs_.job(kJointKey).state, JobState::kCancelled);
-  // The next one is not touched by what was cancelled.
+  // The next job is not affected by the cancelled one.
   ASSERT_TRUE(jobs_.start(kJointKey, order({{}, 2, 0})));
   EXPECT_EQ(deliver_until(is(JobState::kDone)).frames, 2);
 }
@@ -125,4 +125,4 @@ TEST(JointCalibrationJobs, EndWithoutWaitingForACamera) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::joint_calibration_jobs_test

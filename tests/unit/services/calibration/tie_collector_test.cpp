@@ -5,12 +5,12 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::tie_collector_test {
 namespace {
 
 constexpr double kPeriodS = 0.0125;
 
-/// Cameras that show 1 px for 10 mm, the second one 400 px further left.
+/// A robot as two cameras see it, at 10 mm per px; in the second image it is 400 px further left.
 Robot seen_by(std::size_t camera, double x_mm, double y_mm, int id = 3, Team team = Team::kBlue) {
   const double left_px = camera == 0 ? 0 : 400;
   return {team, id, x_mm, y_mm, 0, 140, 300 + x_mm / 10 - left_px, 200 + y_mm / 10, 1};
@@ -112,4 +112,4 @@ TEST(TieCollector, ManyAreThinnedOutEvenly) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::tie_collector_test

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::camera_report_test {
 namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000, kNow_ns = 100 * kSecond_ns;
@@ -91,4 +91,4 @@ TEST(CameraReport, OthersThanRealCamerasBesideOneAreNoGo) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::camera_report_test

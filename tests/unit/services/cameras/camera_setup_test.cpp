@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::camera_setup_test {
 namespace {
 
 class CameraSetups : public testing::Test {
@@ -69,4 +69,4 @@ TEST_F(CameraSetups, KeepPipelineAndColoursWhereTheyCan) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::camera_setup_test

@@ -7,10 +7,10 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::camera_watch_test {
 namespace {
 
-/// Real cameras of a picture, which send nothing.
+/// Running cameras that show one image and send no packets.
 class CameraWatchTest : public testing::Test {
  protected:
   std::shared_ptr<RunningCamera> start_camera() {
@@ -33,7 +33,7 @@ class CameraWatchTest : public testing::Test {
                                            {"loop", true}}}}}}});
   MulticastSender multicast_{MulticastSettings{}};
   FieldIntake intake_;
-  const std::shared_ptr<CameraTotals> totals_ = std::make_shared<CameraTotals>();  // of the id
+  const std::shared_ptr<CameraTotals> totals_ = std::make_shared<CameraTotals>();  // of this camera id
   CameraWatch watch_;
 };
 
@@ -43,7 +43,7 @@ TEST_F(CameraWatchTest, ACameraThatTakesOverAnIdHasLostNoImageOfTheOneBefore) {
   totals_->capture.dropped += 50;
   watch_.look({camera});
   EXPECT_GE(watch_.timeline().sum(3, 60).dropped, 50u);
-  totals_->capture.dropped += 7;  // after the last look
+  totals_->capture.dropped += 7;  // after the last look()
   camera = start_camera();
   watch_.look({camera});
   watch_.look({camera});
@@ -52,4 +52,4 @@ TEST_F(CameraWatchTest, ACameraThatTakesOverAnIdHasLostNoImageOfTheOneBefore) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::camera_watch_test

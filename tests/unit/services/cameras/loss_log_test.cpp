@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::loss_log_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -15,7 +15,7 @@ Timeline::Sum second_with(std::uint64_t dropped, std::uint64_t incomplete) {
   return {.seconds = 1, .frames = 60 - dropped - incomplete, .dropped = dropped, .incomplete = incomplete};
 }
 
-/// Lines with the second in which they come.
+/// The log's lines, and the second in which each was written.
 struct Lines {
   LossLog log;
   std::vector<std::pair<int, std::string>> said;
@@ -78,4 +78,4 @@ TEST(LossLog, NeverSaysMoreThanALineAMinute) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::loss_log_test

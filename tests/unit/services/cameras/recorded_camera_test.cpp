@@ -12,7 +12,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::recorded_camera_test {
 namespace {
 
 constexpr std::size_t kRing = 64 << 20;
@@ -29,7 +29,7 @@ class RecordedCameraTest : public testing::Test {
     frames.ring = ring_;
     recorded_.keep(std::move(frames));
   }
-  /// 10 ms after the one before.
+  /// Records the next frame, 10 ms later.
   void frame() {
     frame_.info.number = number_++;
     frame_.info.times.arrived_ns = now_ns_ += 10'000'000;
@@ -37,7 +37,7 @@ class RecordedCameraTest : public testing::Test {
     recorded_.frame_begins(setup_);
     recorded_.frame_ends(frame_, setup_);
   }
-  /// Of all frames in the ring, and whether it has the stages' memory.
+  /// A frame in the ring, and whether it has the stages' memory.
   struct Kept {
     std::uint32_t number;
     bool has_memory;
@@ -107,4 +107,4 @@ TEST_F(RecordedCameraTest, AllocatesNothingForAFrame) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::recorded_camera_test

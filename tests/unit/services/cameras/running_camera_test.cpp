@@ -26,7 +26,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::running_camera_test {
 namespace {
 
 Config config_with(Json changes) {
@@ -35,7 +35,7 @@ Config config_with(Json changes) {
   return read_config(settings);
 }
 
-/// A camera that is never started: what a change of settings makes of its setup.
+/// A camera that is never started: tests how changes of settings alter its setup.
 class RunningCameraTest : public testing::Test {
  protected:
   RunningCamera::Change get_ready(const Config& next) {
@@ -104,7 +104,7 @@ TEST_F(RunningCameraTest, OtherColoursEndTheLightTableOfTheEarlierOnes) {
   EXPECT_FALSE(camera_.change_light(accepted, adapted)) << "it was made for the earlier colours";
 }
 
-/// What a ring says of a setup; null: nothing.
+/// A setup in a ring, as JSON; null if it is not there.
 Json said_of(const ImageRing& ring, std::uint32_t number) {
   const std::vector<std::byte> payload = ring.setup(number);
   const auto parts = setup_in(payload);
@@ -161,7 +161,7 @@ Config config_of_tile(const Json& controls) {
             {"controls", controls}}}}}}});
 }
 
-/// Lets nobody have its controls, which is part of an opening, until the test lets go.
+/// Blocks in controls(), which is part of opening a camera, until the test releases it.
 struct HeldCamera final : Source {
   struct Hold {
     std::atomic<bool> is_asked{false};
@@ -229,4 +229,4 @@ TEST_F(RunningCameraTest, RobotHeightsAreThoseOfWhenItIsApplied) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::running_camera_test

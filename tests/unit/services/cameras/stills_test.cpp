@@ -3,13 +3,13 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::stills_test {
 namespace {
 
 using namespace std::chrono_literals;
 
 StillPicture picture_of(std::uint8_t gray, std::uint32_t frame) {
-  // A row is longer than its pixels, as drivers have it.
+  // Rows have padding, as in drivers' buffers.
   const std::vector<std::uint8_t> bytes(5 * 8, gray);
   return {ImageView{bytes.data(), 6, 5, 8, PixelFormat::kMono8}, frame, 1.5};
 }
@@ -61,4 +61,4 @@ TEST(Stills, GoWithoutBeingAskedFor) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::stills_test

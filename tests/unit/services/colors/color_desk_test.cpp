@@ -10,7 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::color_desk_test {
 namespace {
 
 using testing::ElementsAre;
@@ -126,7 +126,7 @@ TEST_F(ColorDeskTest, SeveralEditsAreOneStep) {
 
 TEST_F(ColorDeskTest, AnotherTableOnTheDeskHasNoHistory) {
   do_edit(paint(label::kPink, 50), "painted pink");
-  // Loaded anew, it is still the same.
+  // A table with the same content keeps the history.
   desk_.take(std::make_shared<const Lut>(desk_.table()->color_table()));
   EXPECT_TRUE(desk_.history().can_undo());
   const auto revision = desk_.revision();
@@ -142,7 +142,7 @@ TEST_F(ColorDeskTest, AWholeTableIsAStepOfItsOwn) {
   EXPECT_EQ(at(50), label::kClear);
   desk_.undo(save_);
   EXPECT_EQ(at(50), label::kPink);
-  // Of other bits: cells are not the same any more.
+  // With another bit depth, the cells are different ones.
   desk_.replace(std::make_shared<const Lut>(ColorTable(6)), "imported", "me", save_);
   EXPECT_FALSE(desk_.history().can_undo());
   EXPECT_EQ(desk_.table()->color_bits(), 6);
@@ -160,4 +160,4 @@ TEST_F(ColorDeskTest, CountsLabelsAndWhereTheyTouch) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::color_desk_test

@@ -12,12 +12,12 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::color_margins_test {
 namespace {
 
 using std::chrono::milliseconds;
 
-/// The drawn scene's table, with a label for everything that is as bright as this and more.
+/// The drawn scene's table, where every clear cell of at least this luma is green.
 std::shared_ptr<const Lut> green_from(DrawnScene& drawn, int luma) {
   ColorTable table = drawn.lut().color_table();
   for (std::size_t cell = 0; cell < table.labels.size(); ++cell) {
@@ -35,7 +35,7 @@ double brighter(const std::optional<std::vector<LabelMargin>>& margins, Label la
   throw std::logic_error("no such label");
 }
 
-/// Camera 7 over robots and a ball.
+/// Camera 7, which sees robots and a ball.
 class ColorMarginsTest : public ::testing::Test {
  protected:
   ColorMarginsTest() {
@@ -85,16 +85,16 @@ class ColorMarginsTest : public ::testing::Test {
   std::vector<Ball> balls_;
   std::atomic<bool> gone_ = false, grey_ = false, is_listed_ = true;
   std::atomic<int> rounds_ = 0, frames_asked_ = 0;
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards the members below
   std::shared_ptr<const Lut> lut_;
   std::shared_ptr<const Scene> scene_;
 };
 
-/// A frame is looked at once, unless something asks for more.
+/// Samples one frame, and more only on request.
 constexpr ColorMargins::Pace kOnce{std::chrono::hours(1), milliseconds(1)};
 
 TEST_F(ColorMarginsTest, SeesCarpetWithoutRobots) {
-  // A robot with a cover as wide as its hull, and one colour.
+  // A robot under a cover of one colour, as wide as its hull.
   const Rgb pink = paint_color(label::kPink);
   const Robot robot = robots_.front();
   drawn_.cover(robot.x_mm, robot.y_mm, robot.height_mm, 90, pink);
@@ -113,7 +113,7 @@ TEST_F(ColorMarginsTest, CountsTheTableInForceAndAnEditedOneAtOnce) {
   wait_until("surfaces", [&] { return margins.surfaces(7) != nullptr; });
   const auto surfaces = margins.surfaces(7);
   EXPECT_GT(brighter(margins.newest_margins(7), label::kGreen), 1.3);
-  is_listed_ = false;  // or the table in force would be counted again and again
+  is_listed_ = false;  // otherwise the current table would be counted repeatedly
   wait_rounds(2);
 
   const int carpet = to_yuv(paint_color(label::kField)).y;
@@ -159,7 +159,7 @@ TEST_F(ColorMarginsTest, KeepsWhatItSawWhileItSaysTheSame) {
   ColorMargins margins(asked, {milliseconds(1), milliseconds(1)});
   wait_until("surfaces", [&] { return margins.surfaces(7) != nullptr; });
   const auto surfaces = margins.surfaces(7);
-  shown = 1;  // other noise
+  shown = 1;  // the same scene with other noise
   const int before = frames_asked_;
   wait_until("looks", [&] { return frames_asked_ >= before + 3; });
   EXPECT_EQ(margins.surfaces(7), surfaces);
@@ -204,4 +204,4 @@ TEST_F(ColorMarginsTest, KnowsNothingOfACameraWithoutColoursAndForgets) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::color_margins_test

@@ -12,10 +12,10 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::follow_light_test {
 namespace {
 
-/// Camera 7 over four robots in a light that a test sets; each look gets a new frame.
+/// Camera 7, which sees four robots in a light that a test sets; each request gets a new frame.
 class FollowLightTest : public ::testing::Test {
  protected:
   FollowLightTest() {
@@ -65,7 +65,7 @@ class FollowLightTest : public ::testing::Test {
   void wait_until(const char* what, Condition condition) {
     ASSERT_TRUE(test::becomes(condition)) << what;
   }
-  /// Until so many more rounds have begun.
+  /// Waits until this many more rounds have begun.
   void wait_looks(int more) {
     const int wanted = looks_ + more;
     wait_until("looks", [&] { return looks_ >= wanted; });
@@ -76,7 +76,7 @@ class FollowLightTest : public ::testing::Test {
   std::shared_ptr<const Scene> scene_;
   std::atomic<bool> dim_ = false, gone_ = false, game_is_running_ = false;
   std::atomic<int> looks_ = 0, frames_asked_ = 0;
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards the members below
   FollowLightParams params_;
   std::shared_ptr<const Lut> accepted_, in_force_;
 };
@@ -150,4 +150,4 @@ TEST_F(FollowLightTest, StandsStillWhileTheGameRunsAndOutlivesACameraThatGoes) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::follow_light_test

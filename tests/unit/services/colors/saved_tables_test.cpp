@@ -14,7 +14,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::saved_tables_test {
 namespace {
 
 using test::TemporaryFolder;
@@ -26,7 +26,7 @@ std::shared_ptr<const Lut> table_with(Label label) {
   return std::make_shared<const Lut>(std::move(table));
 }
 
-/// Of a service that has started.
+/// The tables of a service that has started.
 struct Running : SavedTables {
   explicit Running(StateFolder& folder) : SavedTables(folder) { end_start(); }
 };
@@ -67,7 +67,7 @@ TEST(SavedTables, ATableOfAnEarlierVersionIsFound) {
   const TemporaryFolder folder;
   StateFolder state(folder.path());
   const std::string name = SavedTables(state).save(table_with(label::kPink), LabelSet::built_in());
-  // It was made by another hash.
+  // The earlier version named it by another hash.
   const std::filesystem::path earlier = "c0ffee0123456789";
   std::filesystem::rename(folder.path() / "tables" / (name + ".lut"),
                           folder.path() / "tables" / (earlier.string() + ".lut"));
@@ -174,4 +174,4 @@ TEST(SavedTables, ADamagedOneIsInNoBackup) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::saved_tables_test

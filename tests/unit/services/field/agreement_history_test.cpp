@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::agreement_history_test {
 namespace {
 
 CameraPairNow apart(double off_mm) {
@@ -16,7 +16,7 @@ TEST(AgreementHistory, TellsSinceWhenTwoDifferAndWhatItWasBefore) {
   for (int i = 0; i < 300; ++i) history.add({apart(1.25)}, t_s += 1);
   ASSERT_TRUE(history.of(0, 2));
   EXPECT_FALSE(history.of(2, 0)->since_s);
-  for (int i = 0; i < 61; ++i) history.add({apart(1.25 + 0.06 * i)}, t_s += 1);  // a mean follows slowly
+  for (int i = 0; i < 61; ++i) history.add({apart(1.25 + 0.06 * i)}, t_s += 1);  // a mean rises slowly
   const double bumped_s = t_s + 1;
   for (int i = 0; i < 100; ++i) history.add({apart(7)}, t_s += 1);
   EXPECT_EQ(history.of(0, 2)->since_s, bumped_s);
@@ -82,4 +82,4 @@ TEST(AgreementHistory, BeginsAgainWhenTheClockIsSetBack) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::agreement_history_test

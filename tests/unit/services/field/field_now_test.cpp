@@ -7,7 +7,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::field_now_test {
 namespace {
 
 TrackedKick kick_with(int number) {
@@ -62,7 +62,7 @@ TEST(FieldNow, KeepsTheLastKicksInTheirOrderAndAsTheyAreKnownBest) {
     tracked.kick = kick_with(number);
     write_now(tracked, *now);
   }
-  tracked.kick->place_mm = {-1, -1};  // the newest is known better by now
+  tracked.kick->place_mm = {-1, -1};  // the newest kick is now known better
   write_now(tracked, *now);
   const auto kicks = kicks_of(*now);
   ASSERT_EQ(kicks.size(), FieldNow::kKicks);
@@ -125,4 +125,4 @@ TEST(CameraPairs, NameFirstTheCameraThatOthersDifferFromToo) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::field_now_test

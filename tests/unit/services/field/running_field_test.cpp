@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::running_field_test {
 namespace {
 
 TEST(CountOverRestarts, NeverFalls) {
@@ -17,4 +17,4 @@ TEST(CountOverRestarts, NeverFalls) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::running_field_test

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::packet_timeline_test {
 namespace {
 
 TEST(PacketTimeline, KeepsTheRateOfEachSecondForTenMinutes) {
@@ -29,4 +29,4 @@ TEST(PacketTimeline, KnowsNoRateWhereTheClockWasSet) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::packet_timeline_test

@@ -19,7 +19,7 @@
 #include <gmock/gmock.h>
 #include <sys/mman.h>
 
-namespace sslv {
+namespace sslv::clip_maker_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -31,7 +31,7 @@ ClipOrder order_of(const std::string& kind) {
   return {.name = "test", .kind = kind, .why = "a test", .begin_s = 0, .end_s = steady_s()};
 }
 
-/// Rings of two cameras, whose frames arrived in turns.
+/// Rings of two cameras, whose frames arrived alternately.
 class ClipMakerTest : public testing::Test {
  protected:
   ClipMakerTest() {
@@ -64,7 +64,7 @@ class ClipMakerTest : public testing::Test {
                     const ClipMaker::Hooks& hooks = {}, const std::stop_token& stop = {}) {
     return ClipMaker(config_, files_, events_).make(order, std::move(rings), 1, hooks, stop);
   }
-  /// "camera number", as they were captured.
+  /// "camera number" of each frame, in the clip's order.
   std::vector<std::string> frames_of(const ClipProgress& made) const {
     ClipReader clip(files_.path_of(made.file));
     EXPECT_EQ(clip.problem(), "");
@@ -76,7 +76,7 @@ class ClipMakerTest : public testing::Test {
     }
     return out;
   }
-  /// The slot of a frame in the memory of camera 0, to damage it.
+  /// Damages the slot of a frame in camera 0's ring.
   void damage(std::size_t frame) {
     const int fd = rings_[0]->fd();
     void* const memory = ::mmap(nullptr, kRingBlocksAt, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
@@ -120,7 +120,7 @@ TEST_F(ClipMakerTest, WritesWhatRingsHoldFromWhereStagesCanBegin) {
 }
 
 TEST_F(ClipMakerTest, WritesWhatACrashLeft) {
-  const ClipProgress made = make(LastSeconds::left_rings(left()).rings, order_of("crash"));
+  const ClipProgress made = make(LastSeconds::crash_rings(left()).rings, order_of("crash"));
   EXPECT_EQ(made.problem, "");
   EXPECT_EQ(made.missing, 0U);
   EXPECT_THAT(frames_of(made), ElementsAre("0 1", "1 1", "0 2", "1 2", "0 3", "1 3"));
@@ -128,7 +128,7 @@ TEST_F(ClipMakerTest, WritesWhatACrashLeft) {
 
 TEST_F(ClipMakerTest, ADamagedFrameIsMissing) {
   damage(2);
-  const ClipProgress made = make(LastSeconds::left_rings(left()).rings);
+  const ClipProgress made = make(LastSeconds::crash_rings(left()).rings);
   EXPECT_THAT(frames_of(made), ElementsAre("0 1", "1 1", "1 2", "0 3", "1 3"));
   EXPECT_EQ(made.missing, 1U);
 }
@@ -144,17 +144,17 @@ TEST_F(ClipMakerTest, AClipThatCanWaitIsNotWrittenInPart) {
   std::ofstream(files_.path_of("old.clip")) << "anything";
   std::filesystem::resize_file(files_.path_of("old.clip"), kMb);
   {
-    const LastSeconds::Left once = LastSeconds::left_rings(left());
+    const LastSeconds::Left once = LastSeconds::crash_rings(left());
     EXPECT_THAT(make(once.rings, order, {}, stop.get_token()).problem, HasSubstr("was stopped"));
     for (const LastSeconds::Ring& ring : once.rings) ring.ring->put_back();
   }
   ASSERT_THAT(files_.list(RecordingFile::Kind::kClip), SizeIs(1)) << "and nothing goes for it";
-  EXPECT_THAT(frames_of(make(LastSeconds::left_rings(left()).rings)), SizeIs(6));
+  EXPECT_THAT(frames_of(make(LastSeconds::crash_rings(left()).rings)), SizeIs(6));
   EXPECT_FALSE(files_.find("old.clip"));
 }
 
 TEST_F(ClipMakerTest, AClipThatIsFullIsFinished) {
-  ClipMaker maker(config_, files_, events_, kClipEndBlocks + 6);  // with what it says and two setups
+  ClipMaker maker(config_, files_, events_, kClipEndBlocks + 6);  // including its description and two setups
   const ClipProgress made = maker.make(order_of("kept"), live(), 1, {}, {});
   EXPECT_EQ(made.problem, "");
   EXPECT_THAT(frames_of(made), ElementsAre("0 1", "1 1", "0 2"));
@@ -170,14 +170,14 @@ TEST_F(ClipMakerTest, NothingIsLeftOfAClipWithoutFrames) {
 
 TEST_F(ClipMakerTest, MemoryIsReadOnceAndOnlyByItsName) {
   for (const char* name : {"", "last_seconds", "last_seconds-x"})
-    EXPECT_THAT(LastSeconds::left_rings(left(name)).rings, IsEmpty()) << name;
-  const LastSeconds::Left first = LastSeconds::left_rings(left());
+    EXPECT_THAT(LastSeconds::crash_rings(left(name)).rings, IsEmpty()) << name;
+  const LastSeconds::Left first = LastSeconds::crash_rings(left());
   EXPECT_THAT(first.rings, SizeIs(2));
   EXPECT_FALSE(first.was_read);
-  const LastSeconds::Left second = LastSeconds::left_rings(left());
+  const LastSeconds::Left second = LastSeconds::crash_rings(left());
   EXPECT_THAT(second.rings, IsEmpty());
   EXPECT_TRUE(second.was_read) << "the service crashed while it read them";
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::clip_maker_test

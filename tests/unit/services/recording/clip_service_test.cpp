@@ -18,7 +18,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::clip_service_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -27,7 +27,7 @@ using ::testing::ElementsAre;
 
 class ClipServiceTest : public ::testing::Test {
  protected:
-  /// One that was written so long ago.
+  /// Writes a clip of this age.
   void write(const std::string& name, const std::string& kind, std::chrono::minutes ago) const {
     fs::create_directories(files_.path_of("."));
     {
@@ -41,7 +41,7 @@ class ClipServiceTest : public ::testing::Test {
     for (const RecordingFile& file : files_.list(RecordingFile::Kind::kClip)) out.push_back(file.name);
     return out;
   }
-  /// Starts the service after a crash, until it has told of that.
+  /// Starts the service after a crash, and returns what it reports about that.
   std::string told_after_crash(std::size_t memory_bytes = 10) {
     ImageRing ring(1 << 20);
     ring.put_setup(0, {0, Json{{"settings", Json::object()}}, {}});
@@ -76,7 +76,7 @@ class ClipServiceTest : public ::testing::Test {
   }()};
   test::NoCameras cameras_;
   RefereeListener referee_{[] {}};
-  Json state_;  // of clips, when it has told of the crash
+  Json state_;  // of clips, after the crash was reported
 };
 
 TEST_F(ClipServiceTest, AClipThatAPersonCalledSoIsNoneOfACrash) {
@@ -86,7 +86,7 @@ TEST_F(ClipServiceTest, AClipThatAPersonCalledSoIsNoneOfACrash) {
   write("2026-07-01_10-02_goal.clip", "crash", minutes(30));  // renamed
   write("2026-07-01_10-03_crash.clip", "crash", minutes(20));
   write("2026-07-01_10-04_crash.clip", "crash", minutes(10));
-  write("2026-07-01_10-05_robot_crash.clip", "kept", minutes(0));  // less than a minute ago
+  write("2026-07-01_10-05_robot_crash.clip", "kept", minutes(0));  // just written
   EXPECT_THAT(told_after_crash(), ::testing::HasSubstr("_crash.clip shows what the cameras saw before"));
   std::vector<std::string> of_crashes;
   for (const std::string& name : names()) {
@@ -124,4 +124,4 @@ TEST_F(ClipServiceTest, ASecondCrashWithinAMinuteMakesNoClip) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::clip_service_test

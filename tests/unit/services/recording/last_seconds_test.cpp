@@ -10,7 +10,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::last_seconds_test {
 namespace {
 
 class LastSecondsTest : public testing::Test {
@@ -24,7 +24,7 @@ class LastSecondsTest : public testing::Test {
     }
     settings_.memory_mb = 16;
   }
-  /// A second in which camera 0 sends so many images and camera 1 so many.
+  /// One second, in which camera 0 sends `of_0` images and camera 1 `of_1`.
   void second(int of_0, int of_1) {
     for (int id = 0; id < 2; ++id) {
       for (int i = 0; i < (id == 0 ? of_0 : of_1); ++i) {
@@ -70,7 +70,7 @@ TEST_F(LastSecondsTest, ACameraWhosePaceIsNeverEvenHasMemoryToo) {
 }
 
 TEST_F(LastSecondsTest, ACameraWhoseImagesNoClipCanHoldTakesNoMemoryAndIsSaid) {
-  image_of_0_.width = image_of_0_.height = 8192;  // nobody reads it
+  image_of_0_.width = image_of_0_.height = 8192;  // the pixels are never read
   image_of_0_.stride_bytes = 8192;
   for (int i = 0; i < 5; ++i) second(30, 10);
   EXPECT_THAT(memory_mb(), testing::ElementsAre(0, testing::DoubleNear(16, 0.1)));
@@ -79,4 +79,4 @@ TEST_F(LastSecondsTest, ACameraWhoseImagesNoClipCanHoldTakesNoMemoryAndIsSaid) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::last_seconds_test

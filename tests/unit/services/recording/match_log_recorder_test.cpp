@@ -14,7 +14,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::match_log_recorder_test {
 namespace {
 
 class MatchLogRecorderTest : public ::testing::Test {
@@ -33,7 +33,7 @@ class MatchLogRecorderTest : public ::testing::Test {
 
   test::TemporaryFolder folder_;
   const std::filesystem::path file_ = folder_.path() / "a.log.gz";
-  GroupListener listener_;  // keeps the port
+  GroupListener listener_;  // reserves the port
   MulticastSender sender_{settings_for(listener_)};
   std::atomic<bool> are_ours_ = true;
   MatchLogRecorder recorder_{[this](std::int32_t, const auto&) { return are_ours_.load(); }};
@@ -43,7 +43,7 @@ TEST_F(MatchLogRecorderTest, LeavesOutAndCountsWhatIsNotTheLeagues) {
   recorder_.begin(file_);
   for (std::uint64_t i = 1; i <= 100; ++i) {
     send(sender_, i % 2 == 0 ? std::string() : std::string(1400, 'x'));
-    // So few that the socket has room for them.
+    // Few enough to fit into the socket's buffer.
     if (i % 20 != 0) continue;
     ASSERT_TRUE(test::becomes([&] { return recorder_.status().refused == i; }));
   }
@@ -98,4 +98,4 @@ TEST_F(MatchLogRecorderTest, ALogWhoseIndexCannotBeWrittenIsRecorded) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::match_log_recorder_test

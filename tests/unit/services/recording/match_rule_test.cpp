@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::match_rule_test {
 namespace {
 
 using Wish = MatchRule::Wish;
@@ -95,4 +95,4 @@ TEST(FileNamePart, HasNothingThatAFileNameMayNotHave) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::match_rule_test

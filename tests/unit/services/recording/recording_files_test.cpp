@@ -15,7 +15,7 @@
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 
-namespace sslv {
+namespace sslv::recording_files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -26,7 +26,7 @@ using ::testing::UnorderedElementsAre;
 
 class RecordingFilesTest : public ::testing::Test {
  protected:
-  /// A log whose bytes cannot be packed.
+  /// Writes a log of bytes that cannot be compressed.
   void write(const std::string& name, int messages = 10, bool ends = true) const {
     MatchLogWriter writer(files_.path_of(name));
     std::vector<std::byte> bytes(1000);
@@ -43,13 +43,13 @@ class RecordingFilesTest : public ::testing::Test {
     return out;
   }
 
-  /// Anything of so many MB, that was written so many hours ago; a log or a clip by its name.
+  /// Writes a file of this size and age; its name says whether it is a log or a clip.
   void put(const std::string& name, int mb, int hours) const {
     std::ofstream(files_.path_of(name), std::ios::binary) << "anything";
     fs::resize_file(files_.path_of(name), static_cast<std::uintmax_t>(mb) * kMb);
     fs::last_write_time(files_.path_of(name), fs::file_time_type::clock::now() - std::chrono::hours(hours));
   }
-  /// What is removed so that so many MB more have room.
+  /// The recordings that are removed to make room for `wanted_mb` more.
   std::vector<std::string> goes_for(RoomFor whom, int wanted_mb = 0) {
     const Room room = files_.make_room(settings_, whom, events_, static_cast<std::uint64_t>(wanted_mb) * kMb);
     problem_ = room.problem;
@@ -86,7 +86,7 @@ class RecordingFilesTest : public ::testing::Test {
 };
 
 TEST_F(RecordingFilesTest, ClipsGoBeforeMatchLogsAndOldOnesFirst) {
-  // By when they were written: the name of one says something else, as that of another program's log may.
+  // Old means written first, whatever the name says: other programs name their logs differently.
   put("zz_of_others.log.gz", 20, 9);
   put("2026-07-02_b.log.gz", 20, 8);
   put("2026-07-03_c.log.gz", 20, 7);
@@ -117,7 +117,7 @@ TEST_F(RecordingFilesTest, WhatIsPinnedAndTheNewestLogStay) {
   EXPECT_THAT(names(), ElementsAre("c.log.gz", "a.log.gz"));
 }
 
-/// With all of the quota pinned, the log of the match that runs goes on, and stays when the match is over.
+/// With the whole quota pinned, the running match's log is still written, and stays after the match.
 TEST_F(RecordingFilesTest, TheLogOfTheMatchThatRunsHasTheHighestRank) {
   put("a.log.gz", 100, 9);
   files_.pin("a.log.gz", true);
@@ -132,7 +132,7 @@ TEST_F(RecordingFilesTest, TheLogOfTheMatchThatRunsHasTheHighestRank) {
   EXPECT_TRUE(fs::exists(log));
 }
 
-/// More than half of the quota in one log is not a match's alone.
+/// A match alone does not fill more than half of the quota with one log.
 TEST_F(RecordingFilesTest, NothingGoesForALogThatStrangersFilled) {
   put("a.log.gz", 30, 9);
   files_.pin("a.log.gz", true);
@@ -153,7 +153,7 @@ TEST_F(RecordingFilesTest, NothingGoesForALogThatStrangersFilled) {
   EXPECT_THAT(goes_for(RoomFor::kMatchLog), ElementsAre(name)) << "it goes before all others";
 }
 
-/// A fifth of it is ours, and strangers' as much as that counts: 20 MB of the log's 50.
+/// A fifth of the log is ours, and the same amount of strangers' packets counts: 20 MB of its 50.
 TEST_F(RecordingFilesTest, NothingGoesForWhatStrangersSendBeyondOurs) {
   put("a.log.gz", 30, 9);
   const fs::path log = files_.begin("match");
@@ -179,7 +179,7 @@ TEST_F(RecordingFilesTest, AClipLeavesRoomForLogsAndOnlyAWantedOneTakesTheirs) {
   put("a.log.gz", 50, 9);
   put("b.log.gz", 20, 8);
   put("a.clip", 10, 1);
-  // A quarter of the quota is for match logs.
+  // A quarter of the quota is reserved for match logs.
   EXPECT_THAT(refusal(RoomFor::kOtherClip, 20), HasSubstr("would take 100 MB, and may take 75 MB"));
   EXPECT_THAT(goes_for(RoomFor::kOtherClip, 4), ElementsAre("a.clip"));
   EXPECT_THAT(refusal(RoomFor::kWantedClip, 60), HasSubstr("/recording/quota_mb"));
@@ -206,7 +206,7 @@ TEST_F(RecordingFilesTest, TheLogThatIsWrittenIsNotRemoved) {
   EXPECT_THAT(goes_for(RoomFor::kMatchLog), ElementsAre(log.filename().string()));
 }
 
-/// While it lives, no file of this program grows beyond so many bytes.
+/// While it exists, no file of this program can grow beyond this size.
 class FullDisk {
  public:
   explicit FullDisk(std::uint64_t bytes) : handler_(::signal(SIGXFSZ, SIG_IGN)) {
@@ -229,7 +229,7 @@ class FullDisk {
 TEST_F(RecordingFilesTest, ARepairThatFailedIsTriedAgain) {
   const fs::path log = files_.begin("match");
   write(log.filename().string(), 10, false);
-  files_.end(log, false);  // its service was killed
+  files_.end(log, false);  // as if the service was killed
   RecordingFiles later(folder_.path());
   const auto file = [&] { return later.find(log.filename().string()); };
   {
@@ -272,7 +272,7 @@ TEST_F(RecordingFilesTest, TwoOfOneMinuteHaveTwoNames) {
 TEST_F(RecordingFilesTest, WhatWasNotFinishedIsMadeWhole) {
   const fs::path log = files_.begin("match");
   write(log.filename().string(), 10, false);
-  files_.end(log, false);  // its service was killed
+  files_.end(log, false);  // as if the service was killed
   RecordingFiles later(folder_.path());
   later.look_after({}, 0);
   const auto file = later.find(log.filename().string());
@@ -320,4 +320,4 @@ TEST(MatchLogName, IsAFileOfTheFolderAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::recording_files_test

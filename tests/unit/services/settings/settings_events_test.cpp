@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::settings_events_test {
 namespace {
 
 Event event_with(const char* what, std::initializer_list<const char*> paths) {
@@ -44,4 +44,4 @@ TEST(SettingsEvents, NameFewPlaces) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::settings_events_test

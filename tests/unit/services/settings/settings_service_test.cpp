@@ -9,13 +9,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace sslv {
+namespace sslv::settings_service_test {
 namespace {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-/// Writes down what is asked of it.
+/// Logs every call.
 class Recorder : public Service {
  public:
   Recorder(std::string name, std::vector<std::string>& log) : name_(std::move(name)), log_(log) {}
@@ -57,7 +57,7 @@ class Transaction : public testing::Test {
   static Json site(const std::string& name) {
     return Json{{{"op", "replace"}, {"path", "/site"}, {"value", name}}};
   }
-  /// As a disk that cannot be written.
+  /// Makes the state folder unwritable, as on a full disk.
   void break_folder() {
     std::filesystem::remove_all(state_.path());
     std::ofstream(state_.path()) << "a file where the folder should be";
@@ -156,4 +156,4 @@ TEST_F(Transaction, TheFolderIsLookedAtOnceASecondAndNotByWhoAsks) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::settings_service_test

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What all services report, put together as the status service does.
+// The reports of all services, combined as the status service does.
 #include "services/calibration/calibration_report.h"
 #include "services/cameras/camera_report.h"
 #include "services/colors/color_report.h"
@@ -19,7 +19,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::alerts_test {
 namespace {
 
 using ::testing::AllOf;
@@ -172,7 +172,7 @@ TEST_F(Alerts, NameWhatFloodsThePictureAndWhere) {
       "last minute");
 }
 
-/// All that the field has.
+/// All alerts that the field can report.
 std::vector<Alert> field_alerts() {
   FieldFacts facts;
   facts.config = std::make_shared<Config>();
@@ -296,7 +296,20 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   const Json file = Json::parse(std::ifstream(source_path("/docs/openapi.json")));
   EXPECT_EQ(found, file["components"]["schemas"]["AlertId"]["enum"].get<std::set<std::string>>());
 
-  // Where it can be fixed is a page that there is: the panel shows no button for any other.
+  // The first column of the tables in docs/alerts.md names each alert.
+  std::ifstream reference(source_path("/docs/alerts.md"));
+  std::set<std::string> described;
+  for (std::string line; std::getline(reference, line);) {
+    const std::string cell = line.starts_with("| ") ? line.substr(2, line.find(" |", 2) - 2) : "";
+    for (std::size_t from = 0; (from = cell.find('`', from)) != std::string::npos;) {
+      const std::size_t to = cell.find('`', from + 1);
+      described.insert(cell.substr(from + 1, to - from - 1));
+      from = to + 1;
+    }
+  }
+  EXPECT_EQ(found, described);
+
+  // Each alert's page exists: for any other, the panel shows no button.
   std::ifstream router(source_path("/webui/src/router.ts"));
   const std::string pages{std::istreambuf_iterator<char>(router), {}};
   for (const Alert& alert : all) {
@@ -348,7 +361,7 @@ TEST_F(Alerts, OfLostPicturesBeginAtOneInAThousand) {
   EXPECT_THAT(kinds(), IsEmpty());
   input_.cameras[0].last_minute.dropped = 4;
   EXPECT_THAT(only_alert().title, HasSubstr("4 of 3604 images"));
-  input_.cameras[0].last_minute = {5, 300, 3, 3, 0};  // it has just begun
+  input_.cameras[0].last_minute = {5, 300, 3, 3, 0};  // it has just started
   EXPECT_THAT(kinds(), IsEmpty());
   input_.cameras[0].last_minute = {60, 3600, 0, 4, 0};
   EXPECT_EQ(only_alert().id, "frames_incomplete");
@@ -384,9 +397,9 @@ TEST_F(Alerts, OfThinMarginsNameTheirSurfaceAndLabel) {
 TEST_F(Alerts, TellASlowCameraFromASlowComputer) {
   input_.cameras[0].last_seconds = {10, 530, 0, 0, 0};
   EXPECT_THAT(only_alert().title, AllOf(HasSubstr("53.0"), HasSubstr("instead of 60")));
-  input_.cameras[0].last_seconds.dropped = 70;  // they came, but were not taken
+  input_.cameras[0].last_seconds.dropped = 70;  // they arrived, but were not processed
   EXPECT_THAT(kinds(), IsEmpty());
-  input_.cameras[0].last_seconds = {9, 100, 0, 0, 0};  // it has just begun
+  input_.cameras[0].last_seconds = {9, 100, 0, 0, 0};  // it has just started
   EXPECT_THAT(kinds(), IsEmpty());
   input_.cameras[0].newest_seconds = {3, 151, 0, 0, 0};  // a short break
   EXPECT_THAT(kinds(), IsEmpty());
@@ -409,15 +422,15 @@ TEST_F(Alerts, NameTheSlowestStageWhereTheStagesTakeTooLong) {
   EXPECT_EQ(alerts()[0].fix, "The stage 'x' takes 41 ms an image; images come every 17 ms.");
   camera.last_minute.dropped = 0;
 
-  // Some drivers count nothing that nobody takes.
+  // Some drivers do not count images that nobody takes.
   camera.newest_seconds = {3, 72, 0, 0, 0};
   camera.last_seconds = {10, 240, 0, 0, 0};
   EXPECT_EQ(only_alert().id, "stage_slow") << "and not camera_slow";
-  // With stages that have time enough, it is the camera that sends fewer.
+  // If the stages are fast enough, it is the camera that sends too few.
   camera.stages[1].mean_ms = 5;
   EXPECT_EQ(only_alert().id, "camera_slow");
 
-  // Two that are slow together.
+  // Two stages that are too slow together.
   camera.newest_seconds = {3, 150, 30, 0, 0};
   camera.last_seconds = {10, 500, 100, 0, 0};
   camera.stages = {{.name = "one", .mean_ms = 8, .max_ms = 9},
@@ -425,12 +438,13 @@ TEST_F(Alerts, NameTheSlowestStageWhereTheStagesTakeTooLong) {
   EXPECT_EQ(only_alert().title,
             "Camera 0: the stage 'other' takes 12 ms an image, all stages together 20 ms; images come every "
             "17 ms");
-  // Single images.
+  // Slow for single images only.
   camera.stages = {{.name = "one", .library = "lib.so", .mean_ms = 3, .max_ms = 300}};
   EXPECT_EQ(only_alert().title,
             "Camera 0: the stage 'one' (lib.so) took up to 300 ms for an image; images come every 17 ms");
   EXPECT_EQ(only_alert().severity, Severity::kWarn);
-  // What costs no image is nobody's affair, and what the computer has no time for is no stage's.
+  // No image is lost: no alert. Images are lost, but the stages are fast: the computer is busy, no stage is
+  // to blame.
   camera.last_seconds = {10, 600, 0, 0, 0};
   EXPECT_THAT(kinds(), IsEmpty());
   camera.last_seconds = {10, 500, 100, 0, 0};
@@ -459,7 +473,7 @@ TEST_F(Alerts, OfTheClockOnlyWhereAnotherVisionsTimesAreComparedWithIt) {
   OtherVision other;
   other.address = "192.168.1.9";
   input_.other_visions = {other};
-  EXPECT_THAT(kinds(), ElementsAre("vision_other"));  // on this computer
+  EXPECT_THAT(kinds(), ElementsAre("vision_other"));  // it runs on this computer
   input_.another_host_sends = true;
   EXPECT_THAT(kinds(), ElementsAre("clock_not_synchronised", "vision_other"));
   input_.clock.reset();
@@ -526,7 +540,7 @@ TEST_F(Alerts, KeepTheTimeSinceWhenTheyHaveBeenThere) {
   auto alerts = this->alerts();
   times.stamp(alerts, 1050, 50);
   EXPECT_EQ(alerts[0].since_s, 1050);
-  input_.cameras[0].last_minute.dropped = 101;  // another title
+  input_.cameras[0].last_minute.dropped = 101;  // a different title
   input_.cameras[1].last_minute.dropped = 100;
   alerts = this->alerts();
   times.stamp(alerts, 1060, 60);
@@ -746,4 +760,4 @@ TEST_F(Checks, WarnOfWhatMattersBeforeAMatchAlone) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::alerts_test

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::event_history_test {
 namespace {
 
 using Now = EventHistory::Now;
@@ -22,7 +22,7 @@ Alert lost(int camera, Severity severity = Severity::kBad, std::string title = "
           .camera = camera};
 }
 
-/// Looks once a second at the same alerts.
+/// Passes the same alerts once a second.
 void look(EventHistory& history, const std::vector<Alert>& alerts, double from_s, double to_s,
           double clock_set_by_s = 0) {
   for (double s = from_s; s <= to_s; ++s) history.look(alerts, at(s, clock_set_by_s));
@@ -192,7 +192,7 @@ TEST(EventHistory, WhatWasThereWhenTheServiceDiedEndedWithIt) {
   before.add({"settings_changed", "Settings changed: /site", "10.0.0.7"}, at(60));
   const Json saved = before.to_saved();
 
-  EventHistory history;  // of another run: its steady clock knows nothing of the first's
+  EventHistory history;  // of another run, whose steady clock is unrelated
   history.load(saved, {kUnix_s + 100, 7});
   Json entries = history.entries_json();
   ASSERT_EQ(entries.size(), 2U);
@@ -269,4 +269,4 @@ TEST(EventHistory, WhatIsNoEntryIsLeftOut) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::event_history_test

@@ -11,7 +11,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv::test {
+namespace sslv::test::history_keeper_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -70,7 +70,7 @@ TEST_F(HistoryKeeperFiles, SaysThatTheRunBeforeDied) {
   {
     HistoryKeeper keeper(folder_.path());
     keeper.look({kLost}, {});
-    // It saves at once what comes after a quiet time; wait for its thread.
+    // The first entry after a quiet time is saved at once, by another thread: wait for that.
     ASSERT_TRUE(becomes([&] { return std::filesystem::exists(file()); }));
     as_it_died = read_json_file(file()).dump();
   }
@@ -114,4 +114,4 @@ TEST_F(HistoryKeeperFiles, WithoutAFolderItIsKeptInMemory) {
 }
 
 }  // namespace
-}  // namespace sslv::test
+}  // namespace sslv::test::history_keeper_test

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::sightings_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -15,10 +15,10 @@ Robot robot(Team team, int id, double x_mm, double y_mm) {
   return {team, id, x_mm, y_mm, 0, 140, 100, 100, 1};
 }
 
-/// Cameras 0 and 1 look at a field that a test describes.
+/// Cameras 0 and 1 see what a test describes.
 class SightingsTest : public ::testing::Test {
  protected:
-  /// What each camera sees in one look after the other, for so long.
+  /// Adds what each camera sees, every kPeriod_s, for this long.
   void look_for(double duration_s, const std::vector<Robot>& in_0, const std::vector<Robot>& in_1) {
     const double end_s = t_s_ + duration_s;
     for (; t_s_ < end_s; t_s_ += kPeriod_s) {
@@ -53,7 +53,7 @@ TEST_F(SightingsTest, MissesForAMinuteWhatWasSteady) {
 }
 
 TEST_F(SightingsTest, RobotsThatWaitBehindTheirOwnGoalAreNotOnTheField) {
-  const FieldSize field = field_preset("division-a", "");  // the wall is at 6600 mm, 300 mm in front of it
+  const FieldSize field = field_preset("division-a", "");  // wall at 6600 mm; the area is 300 mm deep
   const std::vector<Robot> robots{robot(Team::kBlue, 1, 6400, 0), robot(Team::kBlue, 2, 6380, 0),
                                   robot(Team::kBlue, 3, -6400, 0), robot(Team::kYellow, 4, -6400, 2000),
                                   robot(Team::kYellow, 5, 6400, 2000)};
@@ -85,7 +85,7 @@ std::vector<Robot> team_of(Team team, std::initializer_list<int> ids) {
 
 TEST_F(SightingsTest, CountsThoseThatWentAtOnce) {
   look_for(6, team_of(Team::kYellow, {1, 2, 3, 4, 5}), {});
-  look_for(10, team_of(Team::kYellow, {2, 3, 4, 5}), {});  // one after the other, each after 10 s
+  look_for(10, team_of(Team::kYellow, {2, 3, 4, 5}), {});  // they disappear one by one, 10 s apart
   look_for(10, team_of(Team::kYellow, {3, 4, 5}), {});
   look_for(10, team_of(Team::kYellow, {4, 5}), {});
   ASSERT_EQ(now().lost.size(), 3U);
@@ -283,4 +283,4 @@ TEST_F(SightingsTest, ExpectsNothingOfACameraThatIsGone) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::sightings_test

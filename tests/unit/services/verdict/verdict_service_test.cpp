@@ -15,14 +15,14 @@
 
 #include <gmock/gmock.h>
 
-namespace sslv {
+namespace sslv::verdict_service_test {
 namespace {
 
 using ::testing::Contains;
 using ::testing::Field;
 using ::testing::Not;
 
-/// Camera 0, whose images have robots but nothing to look at.
+/// Camera 0, whose frames have robots but no pixels.
 class OneCamera final : public Cameras {
  public:
   explicit OneCamera(MaskSettings mask = {}) {
@@ -101,7 +101,7 @@ TEST(VerdictService, CountsRobotsAsTheGameControllerDoes) {
   RefereeListener referee([] {});
   OneCamera cameras;
   const VerdictService service(config, cameras, referee);
-  // With the third look, the first one has been added.
+  // When the third frame is requested, the first one has been added.
   ASSERT_TRUE(test::becomes([&] { return cameras.looks() >= 3; }));
   const auto robots = [&](std::optional<bool> blue_at_positive_x) {
     Referee message;
@@ -121,4 +121,4 @@ TEST(VerdictService, CountsRobotsAsTheGameControllerDoes) {
 }
 
 }  // namespace
-}  // namespace sslv
+}  // namespace sslv::verdict_service_test

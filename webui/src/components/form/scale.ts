@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a value stands on a slider, 0 to 1.
+// Maps values to positions on a slider, 0 to 1.
 
 export interface Scale {
   shareOf(value: number): number;
@@ -15,10 +15,13 @@ export function linearScale(min: number, max: number): Scale {
   };
 }
 
-/** Positions of a logarithmic slider; values are rounded to three figures, which a thumb can still tell apart. */
+/**
+ * Positions of a logarithmic slider; values are rounded to three significant figures, which can still be set by
+ * dragging.
+ */
 export const LOG_POSITIONS = 1000;
 
-/** Equal ways on the slider are equal factors. min > 0. */
+/** Logarithmic scale: equal distances are equal factors. min > 0. */
 export function logScale(min: number, max: number, whole: boolean): Scale {
   const decades = Math.log(max / min);
   return {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a JSON Schema allows, in the short words of a type.
+// Short type descriptions of JSON Schemas.
 
 export interface Schema {
   $ref?: string;
@@ -18,13 +18,13 @@ export interface Schema {
 
 export interface Piece {
   text: string;
-  /** The name of a schema, to go to. */
+  /** Name of the schema to link to. */
   schema?: string;
 }
 
 const nameOf = (reference: string) => reference.slice(reference.lastIndexOf('/') + 1);
 
-/** In pieces, so that names of schemas can be links. */
+/** Returns pieces, so that schema names can be links. */
 export function typePieces(schema: Schema): Piece[] {
   if (schema.$ref) return [{ text: nameOf(schema.$ref), schema: nameOf(schema.$ref) }];
   if (schema.anyOf) return schema.anyOf.flatMap((one, i) => [...(i ? [{ text: ' or ' }] : []), ...typePieces(one)]);
@@ -47,7 +47,7 @@ export interface Member {
   members: Member[];
 }
 
-/** The object behind a list, or behind itself; undefined for what has no members of its own. */
+/** The object schema itself, or that of a list's items; undefined if it has no members of its own. */
 function objectIn(schema: Schema): Schema | undefined {
   if (schema.$ref) return undefined;
   if (schema.properties) return schema;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A calibration's figures, ready to be drawn.
+// A calibration's figures, prepared for drawing.
 import type { CalibrationReport } from '../../api/types';
 
 export type MapPoint = CalibrationReport['error_map'][number];
@@ -17,13 +17,13 @@ export interface Cell {
 
 export const BINS = 6;
 
-/** The smallest distance between values that differ; 0 when none do. */
+/** The smallest difference between distinct values; Infinity if there is none. */
 function stepOf(values: number[]): number {
   const sorted = [...new Set(values)].sort((a, b) => a - b);
   return sorted.slice(1).reduce((least, value, i) => Math.min(least, value - sorted[i]!), Infinity);
 }
 
-/** 1, 2 or 5 times a power of ten, not below the value. */
+/** The smallest 1, 2 or 5 times a power of ten that is not below `value`. */
 export function niceTop(value: number): number {
   if (!(value > 0)) return 1;
   const power = 10 ** Math.floor(Math.log10(value) + 1e-9);
@@ -31,7 +31,7 @@ export function niceTop(value: number): number {
   return Number((factor * power).toPrecision(3));
 }
 
-/** The map's points as cells that touch each other, and what its scale ends at. */
+/** The map's points as adjacent cells, and the top of its scale. */
 export function errorCells(map: MapPoint[], level: Level): { cells: Cell[]; top: number } {
   const points = map.filter((point) => point[level] !== null);
   const stepX = stepOf(map.map(({ x_mm }) => x_mm));
@@ -46,7 +46,7 @@ export function errorCells(map: MapPoint[], level: Level): { cells: Cell[]; top:
   return { cells: Number.isFinite(width) ? cells : [], top };
 }
 
-/** Share of the field in view that is better than that, 0 to 1. */
+/** Share of the visible field with an error below `mm`, 0 to 1. */
 export const shareBelow = (cells: Cell[], mm: number): number => (cells.length ? cells.filter((cell) => cell.mm < mm).length / cells.length : 0);
 
 export interface LineRow {
@@ -55,12 +55,12 @@ export interface LineRow {
   rms_mm: number | null;
   worst_px: number | null;
   found: string;
-  /** Of the longest bar, 0 to 1. */
+  /** Length relative to the longest bar, 0 to 1. */
   share: number;
   doubt: string;
 }
 
-/** A line this many times as far off as the middle one, and by more than a tenth of a pixel, is worth a look. */
+/** A line is doubtful if its error is this many times the median and above DOUBT_PX. */
 const DOUBT_FACTOR = 2.5;
 const DOUBT_PX = 0.1;
 
@@ -79,7 +79,7 @@ export function lineRows(lines: CalibrationReport['lines'], title: (name: string
   });
 }
 
-/** Small figures need more digits: 0.015, 0.13, 1.6, 134 */
+/** Small figures get more decimals: 0.015, 0.13, 1.6, 134 */
 export function figures(value: number | null | undefined): string | null {
   if (value === null || value === undefined || !Number.isFinite(value)) return null;
   const size = Math.abs(value);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The league's names of lines and points, for people.
+// Display names of the league's lines and points.
 
 const LINES: Record<string, string> = {
   TopTouchLine: 'Touch line +y',
@@ -17,7 +17,7 @@ const LINES: Record<string, string> = {
   CenterCircle: 'Centre circle',
 };
 
-/** A field's own lines keep the names they were given. */
+/** A field's own lines keep their names. */
 export const lineTitle = (name: string): string => LINES[name] ?? name;
 
 /** "corner left top" to "Corner left top" */

@@ -21,7 +21,7 @@ const picture = (camera: number, t_capture: number, robots: Robot[]) => ({ camer
 describe('robots that two cameras see', () => {
   it('are compared at the same moment', () => {
     const theirs = { older: picture(1, 10, [robotAt(990, 0)]), newer: picture(1, 10.02, [robotAt(1030, 0)]) };
-    // At 10.01 the other camera has it at 1010.
+    // At 10.01 s the other camera reports it at x = 1010.
     const [met] = meetings(picture(0, 10.01, [robotAt(1000, 0)]), theirs, model);
     expect(met).toMatchObject({ camera: 1, inUse: expect.closeTo(10, 6), proposed: expect.closeTo(10, 6) });
     const shifted = new CameraModel({ ...calibration, tx: -10 });

@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far apart two cameras have the same robot. Their images are not taken at the same moment, so a robot of one is
-// compared with where the other has it between two of its images.
+// The distance between two cameras' positions of the same robot. Their images are not simultaneous, so one camera's
+// position is compared with the other's, interpolated between two of its images.
 import type { Detections, Robot } from '../../api/types';
 import type { CameraModel } from '../../geometry/cameraModel';
 
-/** Of a camera's robots, the newest two images are kept. */
+/** A camera's two newest detections. */
 export type Pictures = { older: Detections | null; newer: Detections };
 
-/** Two images further apart than this say nothing about what was between them, s. */
+/** Positions are not interpolated between images farther apart than this, s. */
 const LONGEST_GAP_S = 0.2;
 
 export interface Meeting {
   camera: number;
-  /** Apart with the calibration in use, mm. */
+  /** Distance with the calibration in use, mm. */
   inUse: number;
   /** ... and with the proposed one. */
   proposed: number | null;
 }
 
-/** The robots of one image that another camera has too, at the moment of that image. */
+/** The robots of one image that another camera also sees, at the time of that image. */
 export function meetings(mine: Detections, theirs: Pictures, proposal: CameraModel | null): Meeting[] {
   const { older, newer } = theirs;
   if (!older || newer.t_capture - older.t_capture > LONGEST_GAP_S) return [];

@@ -40,7 +40,7 @@ describe('a request', () => {
     expect(requestOf([], known, true)).toEqual({ points: [], force: true, ...known });
     expect(requestOf([], { ...known, height_mm: null }, true)).not.toHaveProperty('height_sigma_mm');
     expect(knownOf({ ...known, points: [] })).toEqual(known);
-    expect(knownText(known)).toBe('height 4000 mm, focal length 460 px, +x up, lines by their centre');
+    expect(knownText(known)).toBe('height 4000 mm, focal length 460 px, +x up, sizes to line centres');
     expect(knownText(NOTHING_KNOWN)).toBe('nothing given');
   });
 

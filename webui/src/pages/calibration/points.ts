@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points of the field that somebody pointed at in the image, and what is known before a calibration.
+// Points of the field that the user marked in the image, and values known before a calibration.
 import type { CalibrationReport, CalibrationRequest, CalibrationState, FieldPoint } from '../../api/types';
 import type { CameraModel, Point } from '../../geometry/cameraModel';
 import type { Size } from '../../geometry/turn';
 
-/** A point in the image; an empty name is found out by the service. */
+/** A point in the image; the service finds the name if it is empty. */
 export interface Corner extends Point {
   name: string;
 }
 
-/** Four tell where a camera is; fewer are refused by the service. */
+/** Four points determine a camera's pose; the service refuses fewer. */
 export const FEWEST_POINTS = 4;
 
 export interface Known {
@@ -22,7 +22,7 @@ export interface Known {
 
 export const NOTHING_KNOWN: Known = { height_mm: null, height_sigma_mm: 20, focal_px: null, plus_x: null, lines_measured_to: null };
 
-/** Pixel centres are whole numbers, so that the image ends half a pixel beyond the last. */
+/** Pixel centres are integers, so the image extends half a pixel beyond the last one. */
 export const isInside = ({ x, y }: Point, { width, height }: Size) => x >= -0.5 && y >= -0.5 && x <= width - 0.5 && y <= height - 0.5;
 
 export const clampInto = ({ x, y }: Point, { width, height }: Size): Point => ({
@@ -31,7 +31,7 @@ export const clampInto = ({ x, y }: Point, { width, height }: Size): Point => ({
 
 const tenths = (value: number) => Math.round(value * 10) / 10;
 
-/** Where a camera sees the field's points. */
+/** Image positions of the field's points that a camera sees. */
 export function seenPoints(model: CameraModel, named: FieldPoint[], size: Size): Corner[] {
   return named.flatMap(({ name, field_x, field_y }) => {
     const pixel = model.project(field_x, field_y, 0);
@@ -39,7 +39,7 @@ export function seenPoints(model: CameraModel, named: FieldPoint[], size: Size):
   });
 }
 
-/** The points of a finished calibration: those that were given, with the names found; else those that were found. */
+/** The points of a finished calibration: the given ones with the names found, else the detected ones. */
 export function pointsOf(report: CalibrationReport, size: Size): Corner[] {
   const points = report.points.length ? report.points : report.control_points.filter((point) => isInside(point, size));
   return points.map(({ name, x, y }) => ({ name, x: tenths(x), y: tenths(y) }));
@@ -56,7 +56,7 @@ export function knownOf(request: CalibrationState['request']): Known {
   };
 }
 
-/** Only what is known is said. */
+/** Sends only known values. */
 export function requestOf(points: Corner[], known: Known, force: boolean): CalibrationRequest {
   const request: CalibrationRequest = { points: points.map(({ name, x, y }) => (name ? { name, x, y } : { x, y })), force };
   if (known.height_mm !== null) Object.assign(request, { height_mm: known.height_mm, height_sigma_mm: known.height_sigma_mm });
@@ -72,11 +72,11 @@ export function knownText(known: Known): string {
   if (known.height_mm !== null) words.push(`height ${known.height_mm} mm`);
   if (known.focal_px !== null) words.push(`focal length ${known.focal_px} px`);
   if (known.plus_x) words.push(`+x ${known.plus_x}`);
-  if (known.lines_measured_to) words.push(known.lines_measured_to === 'middle' ? 'lines by their centre' : 'lines by their edge');
+  if (known.lines_measured_to) words.push(known.lines_measured_to === 'middle' ? 'sizes to line centres' : 'sizes to line edges');
   return words.length ? words.join(', ') : 'nothing given';
 }
 
-/** The service says so when an image does not tell the two halves of the field apart. */
+/** Whether the service asks where +x is, because the image does not distinguish the two halves of the field. */
 export const asksForPlusX = (report: CalibrationReport | null): boolean => report?.notes.some((note) => note.includes('say where +x is')) ?? false;
-/** ... and when the lines do not tell how high the camera hangs. */
+/** Whether it asks for the camera's height, because the lines do not determine it. */
 export const asksForHeight = (report: CalibrationReport | null): boolean => report?.notes.some((note) => note.startsWith("The camera's height")) ?? false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mask polygons in pixels of the image. They may reach beyond it.
+// Mask polygons in image pixels. They may extend beyond the image.
 import type { FieldSize } from '../../api/types';
 import type { CameraModel, Point } from '../../geometry/cameraModel';
 
@@ -15,7 +15,7 @@ export interface Mask {
 }
 
 export const FEWEST_CORNERS = 3;
-/** What the service takes, px. */
+/** Limits of the service, px. */
 const LEAST = -16384;
 const MOST = 32768;
 
@@ -23,28 +23,28 @@ const settled = (value: number) => Math.min(MOST, Math.max(LEAST, Math.round(val
 export const pairOf = ({ x, y }: Point): Pair => [settled(x), settled(y)];
 export const pointOf = ([x, y]: Pair): Point => ({ x, y });
 
-/** A list with some of it replaced. Array.toSpliced is too new for Node 18 and for older phones. */
+/** A copy of a list with a part replaced. Array.toSpliced is too new for Node 18 and for older phones. */
 export function spliced<T>(list: readonly T[], start: number, count: number, ...by: T[]): T[] {
   return [...list.slice(0, start), ...by, ...list.slice(start + count)];
 }
 
 export const withCorner = (polygon: Polygon, index: number, at: Point): Polygon => ({ points: polygon.points.map((point, i) => (i === index ? pairOf(at) : point)) });
-/** The new corner follows corner `index`. */
+/** Inserts a corner after corner `index`. */
 export const withInserted = (polygon: Polygon, index: number, at: Point): Polygon => ({ points: spliced(polygon.points, index + 1, 0, pairOf(at)) });
 export const withoutCorner = (polygon: Polygon, index: number): Polygon =>
   (polygon.points.length > FEWEST_CORNERS ? { points: spliced(polygon.points, index, 1) } : polygon);
 export const shifted = (polygon: Polygon, dx: number, dy: number): Polygon => ({ points: polygon.points.map(([x, y]) => pairOf({ x: x + dx, y: y + dy })) });
 
-/** The middles of its edges; the first follows corner 0. */
+/** Midpoints of the edges; the first one follows corner 0. */
 export const middles = ({ points }: Polygon): Point[] => points.map(([x, y], i) => {
   const [nextX, nextY] = points[(i + 1) % points.length]!;
   return { x: (x + nextX) / 2, y: (y + nextY) / 2 };
 });
 
-/** As SVG draws it: half a pixel from where pixel centres are whole numbers. */
+/** An SVG path: adds half a pixel, because pixel centres are integers here. */
 export const polygonPath = ({ points }: Polygon): string => `M${points.map(([x, y]) => `${x + 0.5} ${y + 0.5}`).join('L')}Z`;
 
-/** Around the field with its boundary as a camera sees it; null when part of that lies beyond what it can show. */
+/** Outline of the field and its boundary in a camera's image; null if a part of it is beyond the lens model's range. */
 export function aroundField(model: CameraModel, field: FieldSize): Polygon | null {
   const a = field.field_length / 2 + field.boundary_width;
   const b = field.field_width / 2 + field.boundary_width;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calibrating one camera: points and knowledge on their way to the service, its report on its way back.
+// Calibrates one camera: sends points and known values to the service, and receives its report.
 import { computed, ref, watch } from 'vue';
 import type { CalibrationState, CameraStatus } from '../../api/types';
 import { CameraModel, type Point } from '../../geometry/cameraModel';
@@ -32,10 +32,10 @@ export function useCalibration(camera: () => CameraStatus) {
 
   const asText = (list: Corner[]) => JSON.stringify(list);
   const reported = computed(() => (report.value ? pointsOf(report.value, camera()) : []));
-  /** The points were changed since that report. */
+  /** Whether the points were changed after the report. */
   const changed = computed(() => report.value !== null && asText(points.value) !== asText(reported.value));
 
-  // A job of this or of any other browser began or ended: from now on its points are shown.
+  // A job of this or any other browser began or ended: show its points.
   watch(() => state.value && `${state.value.started} ${state.value.state}`, (_, before) => {
     if (!state.value) return;
     const { request } = state.value;
@@ -49,13 +49,13 @@ export function useCalibration(camera: () => CameraStatus) {
     if (request) chosen.value = null;
   });
 
-  /** What the report says of each point, unless it was moved since. */
+  /** The report's doubts about each point, unless the point was moved since. */
   const doubts = computed(() => points.value.map((point, i) => {
     const said = report.value?.points[i];
     const same = said && asText([reported.value[i]!]) === asText([point]);
     return same && said.suspect ? `${figures(said.off_px)} px from ${said.name || 'any point of the field'}: drag it there` : '';
   }));
-  /** Root mean square of how far the points lie from where the camera found has them, px. */
+  /** RMS distance between the points and their positions by the new calibration, px. */
   const pointsOff = computed(() => {
     const list = report.value?.points ?? [];
     return list.length ? Math.sqrt(list.reduce((sum, { off_px }) => sum + off_px * off_px, 0) / list.length) : null;
@@ -69,7 +69,7 @@ export function useCalibration(camera: () => CameraStatus) {
 
   const linesOf = (calibration: CalibrationState['calibration']) => (calibration && knownStatus.value
     ? linesPath(new CameraModel(calibration), camera(), 0, knownStatus.value.field) : '');
-  // By value: polling brings equal calibrations again and again.
+  // Compared by value: polling returns equal calibrations repeatedly.
   const inUseText = computed(() => JSON.stringify(inUse.value));
   const foundText = computed(() => JSON.stringify(report.value?.calibration ?? null));
   const linesInUse = computed(() => linesOf(JSON.parse(inUseText.value)));
@@ -79,7 +79,7 @@ export function useCalibration(camera: () => CameraStatus) {
     job, state, running, report, inUse, busy, refusal, step, points, known, selected, doubts, changed, pointsOff, linesInUse, linesFound,
     knownWords: computed(() => knownText(known.value)),
     overlap: useOverlap(camera().id, () => inUse.value, () => report.value?.calibration ?? null),
-    /** The record of what is in use, unless that was changed in another way since. */
+    /** The record of the calibration in use; null if that was changed in another way since. */
     record: computed(() => {
       const newest = state.value?.history.find(({ reverted }) => reverted === null);
       return newest && JSON.stringify(newest.calibration) === inUseText.value ? newest : null;

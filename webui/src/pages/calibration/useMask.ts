@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera's mask while it is being drawn: shown at once, saved when a move is over, and taken back step by step.
+// A camera's mask while it is edited: shown at once, saved when a move ends, and undone step by step.
 import { computed, ref, shallowRef } from 'vue';
 import { useSetting } from '../../settings/useSetting';
 import { cameraIndex, newestStepAt, save, undoStep, useSettings, type Outcome } from '../../state/settings';
@@ -18,26 +18,26 @@ export function useMask(camera: number) {
   const { settings, loadError } = useSettings();
   const setting = useSetting(() => `/cameras/${cameraIndex(camera)}/mask`);
   const saved = computed(() => (setting.saved.value ?? { include: [], exclude: [] }) as unknown as Mask);
-  /** While a corner is dragged, and until it is saved. */
+  /** Set while a corner is dragged, and until the change is saved. */
   const draft = shallowRef<Mask | null>(null);
   const mask = computed(() => draft.value ?? saved.value);
   const selected = ref<Place | null>(null);
-  /** The steps of the settings that were made here, the newest last. */
+  /** Revisions of the settings made here, newest last. */
   const steps = ref<number[]>([]);
-  /** Saves that have not been answered. */
+  /** Number of saves without an answer yet. */
   const pending = ref(0);
 
   const polygonAt = ({ kind, index }: Place): Polygon | undefined => mask.value[kind][index];
   const replaced = ({ kind, index }: Place, ...by: Polygon[]): Mask => ({ ...mask.value, [kind]: spliced(mask.value[kind], index, 1, ...by) });
 
-  /** What was saved when a drag began. */
+  /** The saved mask when a drag began. */
   let began: Mask | null = null;
   const isGoingOnFrom = (mask: Mask) => began === mask;
   function drag(next: Mask): void {
     began ??= saved.value;
     draft.value = next;
   }
-  /** Saves what is shown, `next` if something else: the lists that it changes, and nothing that others set besides. */
+  /** Saves `next`, by default the mask shown. Writes only the lists that it changes, so that other changes are kept. */
   async function commit(next: Mask | null = draft.value): Promise<void> {
     if (!next) return;
     const from = began ?? saved.value;
@@ -55,7 +55,7 @@ export function useMask(camera: number) {
     setting.show(outcome);
     if (outcome.kind !== 'saved') return;
     if (draft.value === next) draft.value = null;
-    // A drag that began meanwhile goes on from there.
+    // A drag that began meanwhile continues from the saved mask.
     if (isGoingOnFrom(from)) began = { ...from, ...Object.fromEntries(changed.map((kind) => [kind, next[kind]])) };
     if (outcome.revision !== undefined) steps.value.push(outcome.revision);
   }
@@ -75,7 +75,7 @@ export function useMask(camera: number) {
     keepTheirs: giveUp,
     useMine: () => (draft.value ? commit() : giveUp()),
     canUndo: computed(() => pending.value === 0 && (draft.value !== null || steps.value.length > 0)),
-    /** What is shown and was not saved is given up first. */
+    /** Discards an unsaved change first. */
     async undo(): Promise<void> {
       if (pending.value) return;
       if (draft.value) return giveUp();
@@ -111,7 +111,7 @@ export function useMask(camera: number) {
       selected.value = null;
       return commit(replaced(place));
     },
-    /** From include to exclude, or back. */
+    /** Changes a polygon from include to exclude, or back. */
     turnOver(place: Place) {
       const polygon = polygonAt(place)!;
       const kind: Kind = place.kind === 'include' ? 'exclude' : 'include';

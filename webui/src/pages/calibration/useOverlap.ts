@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Watches live detections for robots that this camera and another one see.
+// Finds robots in live detections that this camera and another one see.
 import { onUnmounted, shallowRef, watch } from 'vue';
 import type { CameraGeometry, Detections } from '../../api/types';
 import { CameraModel } from '../../geometry/cameraModel';
@@ -7,7 +7,7 @@ import { watchDetections } from '../../state/live';
 import { median, meetings, type Meeting, type Pictures } from './overlap';
 
 export interface Overlap {
-  /** The neighbour that is met most. */
+  /** The other camera with the most meetings. */
   camera: number;
   meetings: number;
   /** Medians, mm. */
@@ -36,7 +36,7 @@ export function useOverlap(camera: number, inUse: () => CameraGeometry | null, p
     };
   }
 
-  // By value: polling brings equal ones again and again.
+  // Compared by value: polling returns equal calibrations repeatedly.
   watch(() => JSON.stringify([inUse(), proposal()]), () => { all = []; overlap.value = null; });
 
   const stop = watchDetections((picture) => {

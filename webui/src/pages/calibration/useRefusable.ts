@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Something the service may refuse unless it is forced: while the game runs (423), or because it is not good (409).
+// A request that the service may refuse unless it is forced: during a match (423), or because the result is poor (409).
 import { ref, shallowRef } from 'vue';
 import { ApiError, messageOf } from '../../api/client';
 
 export interface Refusal {
   text: string;
-  /** Does it all the same; null where that would not help. */
+  /** Repeats the request with force; null if that would not help. */
   force: (() => Promise<void>) | null;
-  /** What that button says. */
+  /** Label of that button. */
   title: string;
 }
 
@@ -15,7 +15,10 @@ export function useRefusable() {
   const busy = ref(false);
   const refusal = shallowRef<Refusal | null>(null);
 
-  /** `title` says what forcing does. `canBeForced`: whether a 409 is lifted by force, too. True when it was done. */
+  /**
+   * `title`: label of the force button. `canBeForced`: whether force overrides a 409, too. Returns whether it
+   * succeeded.
+   */
   async function attempt(title: string, act: (force: boolean) => Promise<void>, canBeForced: () => boolean = () => false, force = false): Promise<boolean> {
     busy.value = true;
     refusal.value = null;

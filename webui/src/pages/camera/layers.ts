@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which image and which overlays are on, for all cameras; the reader's choice is kept in the browser.
+// Which image and which overlays are shown, for all cameras; the choice is stored in the browser.
 import { computed, reactive, ref, watch } from 'vue';
 import type { Layers } from '../../picture/LivePicture.vue';
 
@@ -7,15 +7,15 @@ export interface Layer {
   name: keyof Layers;
   title: string;
   key: string;
-  /** What one sees. */
+  /** What the layer shows. */
   what: string;
-  /** At the first visit. */
+  /** Default for the first visit. */
   isOn: boolean;
 }
 
 export const layerList: readonly Layer[] = [
   { name: 'detections', title: 'Detections', key: '1', isOn: true, what: 'Robots with their heading, and balls, as found in this frame.' },
-  { name: 'lines', title: 'Field lines', key: '2', isOn: true, what: 'The lines of the field where the calibration puts them: they should cover the painted ones.' },
+  { name: 'lines', title: 'Field lines', key: '2', isOn: true, what: 'The field lines as the calibration projects them. They should cover the painted lines.' },
   { name: 'regions', title: 'Regions', key: '3', isOn: false, what: 'Connected pixels of one label, each in its label’s colour; the largest 500.' },
   { name: 'mask', title: 'Mask', key: '4', isOn: true, what: 'Hatched: not searched, because the mask hides it or it lies too far beyond the field.' },
   { name: 'over', title: 'Over-exposed', key: '5', isOn: false, what: 'Pixels of the shown image with red, green or blue at 250 or more of 255: their colour is lost.' },
@@ -28,13 +28,13 @@ const each = (value: (layer: Layer) => boolean) => Object.fromEntries(layerList.
 
 const KEY = 'layers';
 
-/** The choice of an earlier visit; what it does not say is as at the first. */
+/** The choice of an earlier visit; missing layers have their defaults. */
 export function storedLayers(text: string | null): Required<Layers> {
   let stored: unknown = null;
   try {
     stored = JSON.parse(text ?? 'null');
   } catch {
-    // Garbled: as if there were none.
+    // Malformed: use the defaults.
   }
   const choice = (typeof stored === 'object' && stored !== null ? stored : {}) as Record<string, unknown>;
   return each(({ name, isOn }) => (typeof choice[name] === 'boolean' ? choice[name] : isOn));
@@ -54,7 +54,7 @@ watch(layers, () => {
   try {
     storage()?.setItem(KEY, JSON.stringify(layers));
   } catch {
-    // Full or forbidden: the same.
+    // Storage is full or forbidden: the choice lasts as long as the page.
   }
 });
 

@@ -3,7 +3,7 @@ import { messageOf } from '../../api/client';
 import { saveFile } from '../../api/file';
 import type { PictureKind } from '../../api/types';
 
-/** Saves the camera's latest image of that kind in full resolution. Returns what went wrong, or nothing. */
+/** Saves the camera's latest image of that kind in full resolution. Returns an error message, or '' on success. */
 export async function saveStill(camera: number, picture: PictureKind): Promise<string> {
   const stamp = new Date().toISOString().slice(0, 19).replace(/[-:]/g, '').replace('T', '-');
   try {

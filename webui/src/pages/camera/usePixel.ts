@@ -12,14 +12,14 @@ import type { Shown } from '../../picture/useLivePicture';
 import { now } from '../../state/live';
 
 export interface Pixel {
-  /** Of the camera's image. */
+  /** In the camera's image, px. */
   x: number;
   y: number;
-  /** On the floor, mm. */
+  /** Position on the floor, mm. */
   ground: Point | null;
   rgb: Rgb;
   tone: Tone;
-  /** In the labelled image. */
+  /** Empty unless the labelled image is shown. */
   label: string;
 }
 
@@ -67,12 +67,12 @@ export function usePixel(frame: Ref<HTMLElement | null>, box: Ref<Box | null>, s
       label: current.header.picture === 'labels' ? labelOf(rgb) : '',
     };
   }
-  // With the pointer and a few times a second, not with every image: faster nobody reads.
+  // Updated with the pointer and a few times a second, not with every image: nobody reads faster.
   watch([under, pinned, now], read);
 
   return {
     pixel,
-    /** Where the clicked one lies in the camera's image. */
+    /** Position of the clicked pixel in the camera's image. */
     pinned,
     onMove(event: PointerEvent) { under.value = event.pointerType === 'mouse' ? placeOf(event) : null; },
     onLeave() { under.value = null; },

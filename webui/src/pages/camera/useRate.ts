@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many images and bits a view really gets.
+// Measured image rate and bandwidth of a view.
 import { computed } from 'vue';
 import { now } from '../../state/live';
 import type { Shown } from '../../picture/useLivePicture';

@@ -14,7 +14,7 @@ describe('the brush', () => {
     expect(one.labels[cellIndex(one, 60, 20, 30)]).toBe(5);
     expect(paint(table(), ball, at, 5)).toBe(9);
     expect(paint(table(), { ...ball, shape: 'box', size: 5, depth: 3 }, at, 5)).toBe(75);
-    // Of 5 x 5 x 5 without what lies farther than 2.5 cells.
+    // 5 x 5 x 5 cells without those farther than 2.5 cells away.
     expect(paint(table(), { ...ball, size: 5, depth: 5 }, at, 5)).toBe(81);
   });
   it('is as the service draws it where cells are single levels', () => {

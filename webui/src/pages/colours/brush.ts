@@ -1,32 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
-// The brush of the slice: which cells it takes, and what it tells the service.
+// The brush of the slice: the cells it covers, and its commands for the service.
 import type { ColorCommand } from '../../api/types';
 import { cellIndex, CLEAR, levelOf, sideOf, stepOf, type Table, type Triple } from './table';
 
 export interface Brush {
   shape: 'ball' | 'box';
-  /** Cells across, in U and V. */
+  /** Width in U and V, cells. */
   size: number;
-  /** Cells in Y. */
+  /** Extent in Y, cells. */
   depth: number;
-  /** Only over cells that are clear. */
+  /** Paints only clear cells. */
   onlyClear: boolean;
 }
 
-/** A place by its cells. */
+/** A place in cell coordinates. */
 export interface Cell {
   y: number;
   u: number;
   v: number;
 }
 
-/** Half of its cells, as whole levels: the middle of the outermost cell just lies in it. */
+/** Half of the brush's extent in levels, rounded down: the centre of the outermost cell is just inside. */
 export const radiusOf = (table: Table, brush: Brush): Triple => {
   const half = (cells: number) => Math.floor((cells * stepOf(table)) / 2);
   return [half(brush.depth), half(brush.size), half(brush.size)];
 };
 
-/** What a stroke over these cells is in the service's words. `label` null: erases. */
+/** The service's commands for a stroke over these cells. `label` null: erases. */
 export function strokeCommands(table: Table, brush: Brush, cells: Cell[], label: string | null): ColorCommand[] {
   const radius = radiusOf(table, brush);
   return cells.map(({ y, u, v }) => {
@@ -36,7 +36,10 @@ export function strokeCommands(table: Table, brush: Brush, cells: Cell[], label:
   });
 }
 
-/** Paints in a table of one's own, as the service will (daemon/colors/table_edit.cpp). Says how many cells changed. */
+/**
+ * Paints a local copy of the table as the service will (daemon/colors/table_edit.cpp). Returns the number of changed
+ * cells.
+ */
 export function paint(table: Table, brush: Brush, at: Cell, label: number): number {
   const [ry, ru, rv] = radiusOf(table, brush);
   const last = sideOf(table) - 1;
@@ -60,7 +63,7 @@ export function paint(table: Table, brush: Brush, at: Cell, label: number): numb
   return changed;
 }
 
-/** The cells that a straight stroke passes, without the first: no gap between them that a brush could show. */
+/** The cells along a straight stroke, without the first one and without gaps that a brush could show. */
 export function between(from: Cell, to: Cell): Cell[] {
   const steps = Math.max(Math.abs(to.u - from.u), Math.abs(to.v - from.v));
   return Array.from({ length: steps }, (_, i) => {

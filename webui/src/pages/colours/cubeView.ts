@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table as bodies in the YUV cube: U to the right, V to the back, Y up. Drawn when something changed, not all the time.
+// Renders the table in the YUV cube: U to the right, V to the back, Y up. Drawn on changes only.
 import {
   AmbientLight, BoxGeometry, BufferGeometry, Color, DirectionalLight, DoubleSide, Float32BufferAttribute, InstancedMesh, LineBasicMaterial, LineSegments,
   Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera, PlaneGeometry, Scene, Vector3, WebGLRenderer,
@@ -11,19 +11,19 @@ export interface CubeStyle {
   plane: string;
 }
 
-/** Where the names of the axes go, as shares of the view. */
+/** Positions of the axis names, as shares of the view. */
 export type AxisPlaces = Record<'Y' | 'U' | 'V', { left: number; top: number }>;
 
 const START = { yaw: 0.62, pitch: 0.42, distance: 3.3 };
 const CLOSEST = 1.7;
 const FARTHEST = 6;
 const STEEPEST = 1.45;
-/** Black on a dark ground shows no shape: it is drawn as in light. */
+/** Black on a dark ground shows no shape, so it is drawn lighter. */
 const DARKEST = 0.16;
 
-/** null: this browser has no WebGL. */
+/** Null if the browser has no WebGL. */
 export function createCubeView(canvas: HTMLCanvasElement, style: CubeStyle, onAxes: (places: AxisPlaces) => void) {
-  // Asked for by ourselves: three.js would complain in the console.
+  // The context is created here, because three.js would log a missing WebGL to the console.
   const context = canvas.getContext('webgl2', { antialias: true, alpha: true, powerPreference: 'low-power' });
   if (!context) return null;
   const renderer = new WebGLRenderer({ canvas, context, alpha: true, antialias: true });
@@ -82,7 +82,7 @@ export function createCubeView(canvas: HTMLCanvasElement, style: CubeStyle, onAx
   }
 
   return {
-    /** `colours`: "#rrggbb" of each label. Cells of `bright` are white and all others dim. */
+    /** `colours`: "#rrggbb" of each label. Cells for which `bright` is true are white, and all others dim. */
     show(cube: Cube, colours: ReadonlyMap<number, string>, bright: ((y: number, u: number, v: number) => boolean) | null): void {
       clear();
       if (cube.count) {

@@ -2,7 +2,7 @@
 
 const DIM = 0.3;
 
-/** Every colour of a palette, darker. */
+/** A darker version of a palette. */
 export function dimmed(colours: Uint32Array): Uint32Array {
   return colours.map((pixel) => {
     const part = (shift: number) => Math.round(((pixel >>> shift) & 255) * DIM) << shift;
@@ -12,7 +12,7 @@ export function dimmed(colours: Uint32Array): Uint32Array {
 
 export const WHITE = 0xffffffff;
 
-/** Draws one pixel for each label. Where `bright` is given, what it marks is white and the rest dim. */
+/** Draws one pixel per label. If `bright` is given, the marked pixels are white and the others dim. */
 export function drawLabels(canvas: HTMLCanvasElement | null, width: number, height: number, labels: Uint8Array, colours: Uint32Array, bright?: Uint8Array | null): void {
   const context = canvas?.getContext('2d', { alpha: false });
   if (!canvas || !context) return;

@@ -25,8 +25,8 @@ describe('labels', () => {
     expect(trialText({ cells: 27, from: [{ label: 'clear', cells: 24 }, { label: 'orange', cells: 3 }], left_to_carpet: 0 }, 'pink', false)).toBe('adds 27 cells to Pink, 3 of them now Orange');
     expect(trialText({ cells: 1, from: [{ label: 'clear', cells: 1 }], left_to_carpet: 0 }, 'pink', false)).toBe('adds 1 cell to Pink');
     expect(trialText({ cells: 0, from: [], left_to_carpet: 0 }, 'pink', false)).toBe('is already Pink');
-    expect(trialText({ cells: 5, from: [{ label: 'clear', cells: 4 }, { label: 'orange', cells: 1 }], left_to_carpet: 12 }, 'pink', false)).toBe('adds 5 cells to Pink, 1 of them now Orange; leaves 12 to the carpet');
-    expect(trialText({ cells: 0, from: [], left_to_carpet: 3 }, 'pink', false)).toBe('is already Pink; leaves 3 to the carpet');
+    expect(trialText({ cells: 5, from: [{ label: 'clear', cells: 4 }, { label: 'orange', cells: 1 }], left_to_carpet: 12 }, 'pink', false)).toBe('adds 5 cells to Pink, 1 of them now Orange; 12 cells stay carpet');
+    expect(trialText({ cells: 0, from: [], left_to_carpet: 3 }, 'pink', false)).toBe('is already Pink; 3 cells stay carpet');
     expect(trialText({ cells: 8, from: [{ label: 'pink', cells: 8 }], left_to_carpet: 0 }, 'pink', true)).toBe('removes 8 cells from Pink');
     expect(trialText({ cells: 0, from: [], left_to_carpet: 0 }, 'pink', true)).toBe('removes nothing from Pink');
   });

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Labels as people choose them: their order, names and keys.
+// Labels as the user selects them: order, names and keys.
 import type { ColorLabel } from '../../api/types';
 import type { Rgb } from '../../picture/exposure';
 import { CLEAR } from './table';
 
-/** What is looked for most comes first; the admin's own labels follow. */
+/** The most used labels first; the admin's own labels follow. */
 const ORDER = ['orange', 'yellow', 'blue', 'pink', 'green', 'cyan', 'field', 'white', 'black'];
 const WHAT: Readonly<Record<string, string>> = {
   orange: 'ball', yellow: 'team', blue: 'team', pink: 'dots', green: 'dots', cyan: 'dots', field: 'carpet', white: 'lines', black: 'robot tops',
 };
 
-/** Those that can be chosen; clear is what none of them has. */
+/** Labels that can be selected; clear means that a cell has no label. */
 export function choosable(labels: readonly ColorLabel[]): ColorLabel[] {
   const place = ({ name, value }: ColorLabel) => (ORDER.includes(name) ? ORDER.indexOf(name) : ORDER.length + value);
   return labels.filter(({ value }) => value !== CLEAR).sort((a, b) => place(a) - place(b));
@@ -19,7 +19,7 @@ export function choosable(labels: readonly ColorLabel[]): ColorLabel[] {
 export const titleOfLabel = (name: string) => name.charAt(0).toUpperCase() + name.slice(1);
 /** What has that colour on a field; empty for an own label. */
 export const useOfLabel = ({ name, built_in }: ColorLabel) => (built_in ? WHAT[name] ?? '' : '');
-/** 1 to 9, then 0; none for those that follow. */
+/** The key of a label: 1 to 9, then 0; further labels have none. */
 export const keyOf = (index: number) => (index < 9 ? String(index + 1) : index === 9 ? '0' : '');
 
 export function rgbOf(color: string): Rgb {
@@ -27,7 +27,7 @@ export function rgbOf(color: string): Rgb {
   return [(value >> 16) & 255, (value >> 8) & 255, value & 255];
 }
 
-/** Pixels (as ImageData has them in a 32-bit view) by label; what is hidden looks clear. */
+/** Pixel values (32-bit view of ImageData) by label; hidden labels look clear. */
 export function palette(labels: readonly ColorLabel[], hidden: ReadonlySet<number>): Uint32Array {
   const clear = labels.find(({ value }) => value === CLEAR)?.color ?? '#34363a';
   const pixel = (color: string) => {
@@ -39,16 +39,16 @@ export function palette(labels: readonly ColorLabel[], hidden: ReadonlySet<numbe
   return table;
 }
 
-/** The first value that an own label may have and no label has; null when all are taken. */
+/** The first unused value for an own label; null if all are used. */
 export function freeValue(labels: readonly ColorLabel[]): number | null {
   for (let value = 10; value < 32; value++) if (!labels.some((one) => one.value === value)) return value;
   return null;
 }
 
-/** "adds 27 cells to Pink, 3 of them now Orange; leaves 12 to the carpet" */
+/** "adds 27 cells to Pink, 3 of them now Orange; 12 cells stay carpet" */
 export function trialText(edited: { cells: number; from: readonly { label: string; cells: number }[]; left_to_carpet: number }, label: string, takesAway: boolean): string {
   const name = titleOfLabel(label);
-  const left = edited.left_to_carpet ? `; leaves ${edited.left_to_carpet} to the carpet` : '';
+  const left = edited.left_to_carpet ? `; ${edited.left_to_carpet} ${edited.left_to_carpet === 1 ? 'cell stays' : 'cells stay'} carpet` : '';
   if (edited.cells === 0) return takesAway ? `removes nothing from ${name}` : `is already ${name}${left}`;
   const cells = `${edited.cells} ${edited.cells === 1 ? 'cell' : 'cells'}`;
   if (takesAway) return `removes ${cells} from ${name}`;

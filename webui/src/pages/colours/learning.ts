@@ -7,7 +7,7 @@ export interface Found {
   balls: number;
 }
 
-/** In all images, or in one. */
+/** Number of detections in the given images. */
 export function found(pictures: readonly LearningPicture[], when: 'before' | 'after'): Found {
   return pictures.reduce((sum, picture) => ({ robots: sum.robots + picture[when].robots.length, balls: sum.balls + picture[when].balls.length }), { robots: 0, balls: 0 });
 }

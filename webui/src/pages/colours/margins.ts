@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far a table's labels are from carpet and floor, for people.
+// The margins of a table's labels to carpet and floor, as texts.
 import type { ColorMargin, ColorState } from '../../api/types';
 import { decimal } from '../../format';
 
 export type MarginKind = 'ok' | 'warn' | 'bad';
 
-/** Where one label is nearest to the carpet. */
+/** A label's smallest margin to the carpet. */
 export interface MarginRow {
   label: string;
-  /** Of the light, as a share of it: 0.09 is brighter, -0.09 darker; null: it is nowhere near. */
+  /** Relative change of the light: 0.09 is brighter, -0.09 darker; null: the label is never reached. */
   change: number | null;
   kind: MarginKind;
   text: string;
@@ -29,22 +29,25 @@ export function kindOf(change: number | null, { wanted_margin, least_margin }: J
 }
 
 const distance = (change: number | null) => Math.abs(change ?? Infinity);
-/** Where a label is nearest to its surface; null: nowhere. */
+/** A label's smallest margin to its surface, signed; null: none. */
 const nearest = ({ brighter, darker }: ColorMargin) => (distance(darker) < distance(brighter) ? -darker! : brighter);
 const ofSurface = (margins: readonly ColorMargin[], surface: ColorMargin['surface']) =>
   margins.filter((one) => one.surface === surface).map((one) => ({ label: one.label, change: nearest(one) })).sort((a, b) => (distance(a.change) < distance(b.change) ? -1 : distance(a.change) > distance(b.change) ? 1 : 0));
 
-/** The carpet's row for each label, the least margin first. */
+/** One row per label for the carpet, smallest margin first. */
 export function marginRows(margins: readonly ColorMargin[], judged: Judged): MarginRow[] {
   return ofSurface(margins, 'carpet').map(({ label, change }) => ({ label, change, kind: kindOf(change, judged), text: marginText('carpet', label, change) }));
 }
 
-/** "floor becomes pink at +8 %" for each label that is near the floor beside the carpet, where it hides no robot. */
+/**
+ * "floor becomes pink at +8 %" for each label with a thin margin to the floor beside the carpet, where it hides no
+ * robot.
+ */
 export function floorTexts(margins: readonly ColorMargin[], judged: Judged): string[] {
   return ofSurface(margins, 'floor').filter(({ change }) => kindOf(change, judged) !== 'ok').map(({ label, change }) => marginText('floor', label, change));
 }
 
-/** The thinnest of them that is too thin; null while none is, or nothing is known. */
+/** The thinnest margin below the wanted one; null if there is none, or nothing is known. */
 export function thinnest(state: ColorState | null): MarginRow | null {
   const first = state?.margins ? marginRows(state.margins, state)[0] : undefined;
   return first && first.kind !== 'ok' ? first : null;

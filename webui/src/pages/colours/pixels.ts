@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The service's raw pixels around a place, and what to make of them.
+// The service's raw pixels around a place, and what is derived from them.
 import type { Pixels } from '../../api/types';
 import type { Triple } from './table';
 
@@ -20,7 +20,7 @@ export function bytesOf(base64: string): Uint8Array {
 /** A square of pixels around a place. */
 export const around = ({ x, y }: Place, side: number): Rect => ({ x: x - ((side - 1) >> 1), y: y - ((side - 1) >> 1), width: side, height: side });
 
-/** The rectangle that two corners span, within the image; null when nothing of it lies there. */
+/** The rectangle between two corners, clipped to the image; null if nothing remains. */
 export function spanned(a: Place, b: Place, picture: { width: number; height: number }): Rect | null {
   const x = Math.max(0, Math.min(a.x, b.x));
   const y = Math.max(0, Math.min(a.y, b.y));
@@ -29,14 +29,14 @@ export function spanned(a: Place, b: Place, picture: { width: number; height: nu
   return right >= x && bottom >= y ? { x, y, width: right - x + 1, height: bottom - y + 1 } : null;
 }
 
-/** Raw pixels with the place they were asked for. */
+/** Raw pixels and the place for which they were requested. */
 export interface Look {
   place: Place;
   pixels: Pixels;
   /** Y, U, V of each cell. */
   yuv: Uint8Array;
   labels: Uint8Array;
-  /** Of the cell that the place lies in. */
+  /** Index of the cell that contains the place. */
   index: number;
 }
 
@@ -53,15 +53,15 @@ export const yuvAt = ({ yuv }: Look, index: number): Triple => [yuv[3 * index]!,
 export interface Bars {
   /** Height of each bin, 0 to 1. */
   heights: number[];
-  /** Levels that the middle 96 % span; null: nothing there. */
+  /** Levels spanned by the middle 96 %; null: no pixels. */
   range: [number, number] | null;
-  /** First and last bin of that. */
+  /** First and last bin of that range. */
   bins: [number, number] | null;
 }
 
 const LEFT_OUT = 0.02;
 
-/** A histogram in bins of `levels` as bars. */
+/** Converts a histogram with bins of `levels` levels to bars. */
 export function barsOf(histogram: readonly number[], levels = 4): Bars {
   const most = Math.max(...histogram);
   const total = histogram.reduce((sum, count) => sum + count, 0);

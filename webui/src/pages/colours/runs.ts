@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Labels as runs: a label's value, then the run's length as LEB128 (seven bits a byte, lowest first). Tables and
-// labelled images come so.
+// Run-length encoding of labels: a label's value, then the run's length as LEB128 (seven bits per byte, lowest first).
+// Used for tables and labelled images.
 
-/** Throws what is wrong with them, unless they fill `count` labels exactly. */
+/** Throws a description of the error unless the runs fill exactly `count` labels. */
 export function decodeRuns(bytes: Uint8Array, from: number, count: number): Uint8Array {
   const labels = new Uint8Array(count);
   let at = from;

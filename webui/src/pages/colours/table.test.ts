@@ -10,7 +10,7 @@ const set = (table: Table, label: number, ...cells: [number, number, number][]) 
   return table;
 };
 
-/** A .lut file as daemon/vision/lut_codec.h describes it. */
+/** A .lut file as specified in daemon/vision/lut_codec.h. */
 function lut(bits: number, names: [number, string][], runs: number[], prints: number[][] | null = null): ArrayBuffer {
   const text = new TextEncoder();
   const entries = names.flatMap(([value, name]) => [value, text.encode(name).length, ...text.encode(name)]);

@@ -6,7 +6,7 @@ import { decodeRuns } from './runs';
 export type Triple = [number, number, number];
 
 export interface Table {
-  /** Of each channel: 5 to 8. */
+  /** Bits per channel: 5 to 8. */
   bits: number;
   labels: Uint8Array;
 }
@@ -19,19 +19,19 @@ export const sideOf = (table: Table) => 1 << table.bits;
 /** Levels that a cell spans along an edge. */
 export const stepOf = (table: Table) => LEVELS >> table.bits;
 
-/** Of a cell given by its place along each edge. */
+/** Index of a cell, from its coordinates. */
 export const cellIndex = ({ bits }: Table, y: number, u: number, v: number) => (((u << bits) | v) << bits) | y;
 export const cellOf = (table: Table, level: number) => level >> (8 - table.bits);
-/** The level in the middle of a cell. */
+/** The level at the centre of a cell. */
 export const levelOf = (table: Table, cell: number) => cell * stepOf(table) + (stepOf(table) >> 1);
 export const labelAt = (table: Table, [y, u, v]: Triple) =>
   table.labels[cellIndex(table, cellOf(table, y), cellOf(table, u), cellOf(table, v))]!;
 
 const MAGIC = 'SSLVLUT2', MAGIC_WITH_PRINTS = 'SSLVLUT3';
-/** A label, and four numbers of two bytes. */
+/** A label and four 16-bit numbers. */
 const PRINT_BYTES = 9;
 
-/** A .lut file of version 2 or 3, as daemon/vision/lut_codec.h has it. Throws what is wrong with it. */
+/** Decodes a .lut file of version 2 or 3 (daemon/vision/lut_codec.h). Throws a description of the error. */
 export function decodeTable(buffer: ArrayBuffer): Table {
   const bytes = new Uint8Array(buffer);
   const magic = new TextDecoder('latin1').decode(bytes.subarray(0, MAGIC.length));
@@ -39,14 +39,14 @@ export function decodeTable(buffer: ArrayBuffer): Table {
   const bits = bytes[8] ?? 0;
   if (bits < 5 || bits > 8) throw new Error(`a table of ${bits} bits`);
   let at = 10;
-  // Values are the service's own here, so the names need not be looked at.
+  // Values are the service's own here, so the names are skipped.
   for (let left = bytes[9] ?? 0; left > 0; left--) at += 2 + (bytes[at + 1] ?? 0);
-  // What prints look like is for the service's detectors.
+  // Skips the descriptions of prints, which only the service's detectors use.
   if (magic === MAGIC_WITH_PRINTS) at += 1 + PRINT_BYTES * (bytes[at] ?? 0);
   return { bits, labels: decodeRuns(bytes, at, 1 << (3 * bits)) };
 }
 
-/** The labels of one Y, as rows from the highest V down, U from left to right: as it is drawn. */
+/** The labels at one Y as drawn: rows from the highest V down, U from left to right. */
 export function sliceOf(table: Table, y: number): Uint8Array {
   const side = sideOf(table);
   const slice = new Uint8Array(side * side);
@@ -56,7 +56,7 @@ export function sliceOf(table: Table, y: number): Uint8Array {
   return slice;
 }
 
-/** How many cells each Y has: of all labels that count, and of the one. */
+/** Number of cells at each Y: of all labels that count, and of `label`. */
 export function occupancy(table: Table, label: number, counts: (label: number) => boolean): { all: number[]; one: number[] } {
   const side = sideOf(table);
   const all = new Array<number>(side).fill(0);
@@ -73,10 +73,10 @@ export function occupancy(table: Table, label: number, counts: (label: number) =
   return { all, one };
 }
 
-/** Labels that are colours of things: what meets there is told apart by its hue. 1, 8 and 9 are field, white, black. */
+/** Whether a label is the colour of an object, which is distinguished by its hue. 1, 8 and 9 are field, white, black. */
 export const isColour = (label: number) => label !== CLEAR && label !== 1 && label !== 8 && label !== 9;
 
-/** The cells whose neighbour, face to face, is another colour's: 1 for each such, ordered as the table. */
+/** Marks cells that share a face with a cell of another colour: 1 for each, ordered as the table. */
 export function conflictCells(table: Table): { mask: Uint8Array; count: number } {
   const { bits, labels } = table;
   const side = sideOf(table);
@@ -100,13 +100,13 @@ export function conflictCells(table: Table): { mask: Uint8Array; count: number }
 export interface Cube {
   /** Cells along an edge. */
   side: number;
-  /** Place along each edge, y, u, v for each cube one after the other. */
+  /** Coordinates y, u, v of each cube, one after the other. */
   at: Uint8Array;
   labels: Uint8Array;
   count: number;
 }
 
-/** The cells of a coarser table that can be seen from outside; what `hidden` names does not stand before others. */
+/** The cells of a coarser table that are visible from outside; labels that are not shown hide nothing. */
 export function surface(table: Table, bits: number, isShown: (label: number) => boolean): Cube {
   const shown = Array.from({ length: LEVELS }, (_, value) => value !== CLEAR && isShown(value));
   const side = 1 << bits;

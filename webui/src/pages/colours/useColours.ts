@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera's colour table as the service has it, and edits on their way to it. The page shows a stroke at once and
-// takes the service's table as soon as that answers; nothing counts before.
+// A camera's colour table on the service, and pending edits. The page shows a stroke at once and replaces it by the
+// service's table when that arrives; before that, the stroke has no effect.
 import { onUnmounted, ref, shallowRef, triggerRef, watch } from 'vue';
 import { api, messageOf } from '../../api/client';
 import type { ColorCommand, ColorEdited, ColorState } from '../../api/types';
@@ -10,11 +10,11 @@ import { cameraIndex, showSaving, useSettings } from '../../state/settings';
 import { paint, strokeCommands, type Brush, type Cell } from './brush';
 import { decodeTable, type Table } from './table';
 
-/** Commands that the service takes at once. */
+/** Maximum number of commands per request. */
 const MOST_COMMANDS = 200;
-/** How often what the light does is asked for while it is followed, and margins while they are not known. */
+/** Polling interval while the light is followed, or margins are unknown. */
 const LIGHT_MS = 2000;
-/** Margins change with what the camera sees: one of so many of those times they are asked for anyway. */
+/** Margins change with what the camera sees, so they are also polled otherwise, every this many intervals. */
 const MARGINS_EVERY = 5;
 
 interface Stroke {
@@ -26,13 +26,13 @@ interface Stroke {
 export function useColours(camera: number) {
   const path = `cameras/${camera}/colors`;
   const state = shallowRef<ColorState | null>(null);
-  /** As the service has it. */
+  /** The table of the service. */
   const table = shallowRef<Table | null>(null);
-  /** With the strokes that it does not have yet. */
+  /** The same with strokes that the service has not confirmed. */
   const painted = shallowRef<Table | null>(null);
   /** Why the table cannot be shown. */
   const trouble = ref('');
-  /** Why the last edit did not happen. */
+  /** Why the last edit failed. */
   const refusal = ref('');
   let alive = true;
 
@@ -66,7 +66,7 @@ export function useColours(camera: number) {
   }
 
   function take(next: ColorState): Promise<void> {
-    // Answers may overtake each other; a service that was restarted begins again, which load() takes over.
+    // Answers may arrive out of order; a restarted service begins with a lower revision, which load() accepts.
     if (!state.value || next.revision >= state.value.revision) state.value = next;
     return fetchTable();
   }
@@ -76,7 +76,7 @@ export function useColours(camera: number) {
     try {
       const next = await api.get<ColorState>(path);
       if (!alive) return;
-      // What an edit was answered with meanwhile may be newer.
+      // An edit's answer that arrived meanwhile may be newer.
       if (!state.value || state.value === before || next.revision >= state.value.revision) state.value = next;
       trouble.value = '';
       await fetchTable();
@@ -85,10 +85,10 @@ export function useColours(camera: number) {
     }
   }
   void load();
-  // Whatever is saved counts up there, also what others change.
+  // settings_revision also counts changes by other users.
   watch(() => knownStatus.value?.settings_revision, (now, before) => { if (before !== undefined && now !== before) void load(); });
   const { settings } = useSettings();
-  // The service begins to follow a moment after the setting says so, and ends likewise.
+  // The service starts and stops following the light shortly after the setting changes.
   const isFollowed = () => settings.value !== null && valueAt(settings.value, `/cameras/${cameraIndex(camera)}/follow_light/enabled`) === true;
   let ticks = 0;
   const timer = setInterval(() => {
@@ -96,7 +96,7 @@ export function useColours(camera: number) {
   }, LIGHT_MS);
   onUnmounted(() => { alive = false; clearInterval(timer); });
 
-  /** One after the other, so that each is made on what the one before left. */
+  /** One at a time, so that each edit builds on the previous one. */
   let queue: Promise<unknown> = Promise.resolve();
   function inTurn<T>(work: () => Promise<T>): Promise<T | null> {
     const result = queue.then(async () => {
@@ -140,11 +140,11 @@ export function useColours(camera: number) {
     copyFrom: (from: number) => change(() => api.post<ColorState>(`${path}/copy`, { from })),
     revertLight: () => change(() => api.post<ColorState>(`${path}/light/revert`)),
     keepLight: () => change(() => api.post<ColorState>(`${path}/light/keep`)),
-    /** What another request answered with. */
+    /** Accepts the state from the answer of another request. */
     taken: take,
-    /** Anything else that answers with the state. */
+    /** Runs any other request that answers with the state. */
     change,
-    /** Begins a stroke of the brush; a whole stroke is one step of undo. `label` null: erases. */
+    /** Begins a brush stroke, which is one undo step. `label` null: erases. */
     stroke(brush: Brush, label: { name: string; value: number } | null) {
       let current: Stroke = { brush, label, cells: [] };
       strokes.push(current);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What lies under the pointer: raw pixels, the region they belong to, what a click would do. Of each kind one request
-// is on its way; of what is asked meanwhile only the newest is sent.
+// Data under the pointer: raw pixels, their region, and what a click would do. One request of each kind is sent at a
+// time; of the waiting ones only the newest is sent.
 import { onUnmounted, ref, shallowRef, watch } from 'vue';
 import { api, messageOf } from '../../api/client';
 import { newestOnly } from '../../api/newestOnly';
@@ -9,7 +9,7 @@ import { around, lookOf, type Look, type Place, type Rect } from './pixels';
 
 /** Cells across the magnifier. */
 export const LOUPE_CELLS = 17;
-/** A pointer that stays this long wants to know about the region. */
+/** A pointer that rests this long requests the region. */
 const REST_MS = 120;
 
 export interface Area {
@@ -21,7 +21,7 @@ export function useLook(camera: number, still: () => number | null) {
   const look = shallowRef<Look | null>(null);
   const trial = shallowRef<{ text: ColorEdited; command: ColorCommand } | null>(null);
   const problem = ref('');
-  /** Whose histograms are shown. */
+  /** The area whose histograms are shown. */
   const area = shallowRef<Area | null>(null);
   let cellPx = 1;
   let wanted: Place | null = null;
@@ -54,7 +54,7 @@ export function useLook(camera: number, still: () => number | null) {
       const pixels = await pixelsOf(around(place, 1), true);
       if (wanted) area.value = { pixels, kind: 'region' };
     } catch {
-      // The magnifier says what is wrong.
+      // The magnifier reports the error.
     }
   }, () => {});
 
@@ -74,7 +74,7 @@ export function useLook(camera: number, still: () => number | null) {
     trial.value = null;
     area.value = picked;
   }
-  /** Of another image nothing is known any more. */
+  /** The data do not apply to another image. */
   watch(still, () => { picked = null; leave(); });
   onUnmounted(() => clearTimeout(rest));
 
@@ -86,7 +86,7 @@ export function useLook(camera: number, still: () => number | null) {
       clearTimeout(rest);
       rest = setTimeout(() => { if (wanted) regions.put('region', place); }, REST_MS);
     },
-    /** What this would do, if it were done. */
+    /** Previews a command. */
     attempt: (command: ColorCommand) => trials.put('trial', command),
     leave,
     async pick(rect: Rect) {
@@ -97,7 +97,7 @@ export function useLook(camera: number, still: () => number | null) {
         problem.value = messageOf(error);
       }
     },
-    /** Asks again for the same place: the table is another one now. */
+    /** Repeats the request for the same place, because the table has changed. */
     again() { if (wanted) looks.put('look', wanted); },
   };
 }

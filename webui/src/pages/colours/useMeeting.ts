@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which pixels of a frozen image have a colour where two labels meet. Its raw pixels are fetched once, when asked for.
+// The pixels of a frozen image whose colours are in cells where two labels touch. Raw pixels are fetched once, on
+// demand.
 import { computed, onUnmounted, shallowRef, watch } from 'vue';
 import { api } from '../../api/client';
 import type { Pixels, Still } from '../../api/types';
 import { bytesOf } from './pixels';
 import { cellIndex, cellOf, type Table } from './table';
 
-/** Cells along an edge of what is fetched at once: more have no colours in the answer. */
+/** Edge of a fetched tile in cells: answers for larger areas contain no colours. */
 const TILE = 128;
 
 interface Raw {
@@ -42,10 +43,10 @@ export function useMeeting(camera: number, still: () => Still | null, conflicts:
   }
 
   watch(() => (conflicts() ? still() : null), (of) => {
-    if (of && raw.value?.still !== of.still) void fetchAll(of).catch(() => { /* The slices show them all the same. */ });
+    if (of && raw.value?.still !== of.still) void fetchAll(of).catch(() => { /* The slices still show them. */ });
   });
 
-  /** 1 for each cell of the image that lies there; null: not known. */
+  /** 1 for each such cell of the image; null: unknown. */
   const bright = computed(() => {
     const [mask, of, pixels] = [conflicts(), table(), raw.value];
     if (!mask || !of || !pixels || pixels.still !== still()?.still) return null;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// An image that the service keeps still, and what the table makes of it.
+// An image frozen on the service, and its labels by the table.
 import { onUnmounted, ref, shallowRef } from 'vue';
 import { api, ApiError, messageOf } from '../../api/client';
 import type { Still } from '../../api/types';
 import { decodeLabelPicture, type LabelPicture } from './runs';
 
-/** Wider images come smaller: the magnifier shows raw pixels anyway. */
+/** Wider images are scaled down: the magnifier shows raw pixels anyway. */
 const MOST_WIDTH = 2048;
 
 export function useStill(camera: number) {
@@ -49,7 +49,7 @@ export function useStill(camera: number) {
 
   let looking = false;
   let again = false;
-  /** After an edit. */
+  /** Reloads the labels after an edit. */
   async function refresh(): Promise<void> {
     if (looking) { again = true; return; }
     looking = true;
@@ -62,7 +62,7 @@ export function useStill(camera: number) {
         if (still.value === current) labels.value = made;
       } catch (error) {
         if (still.value !== current) break;
-        // It is not kept for ever.
+        // The service does not keep it forever.
         if (error instanceof ApiError && error.status === 404) forget();
         problem.value = error instanceof ApiError && error.status === 404 ? 'The service no longer has the frozen image. Freeze another one.' : messageOf(error);
       }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the pointer does, with which label, and what of the table is shown.
+// The selected tool and label, and which part of the table is shown.
 import { computed, ref, shallowRef } from 'vue';
 import type { ColorLabel } from '../../api/types';
 import type { IconName } from '../../components/icons';
@@ -10,7 +10,7 @@ export type Tool = 'pick' | 'box' | 'paint' | 'erase' | 'fill';
 export type WholeOp = 'grow' | 'shrink' | 'smooth';
 export const PICK_SIZES = [1, 3, 5, 9] as const;
 
-/** What the pointer does. */
+/** Tools of the pointer. */
 export const pointers: readonly { name: Tool; title: string; icon: IconName; key: string }[] = [
   { name: 'pick', title: 'Pick', icon: 'dropper', key: 'I' },
   { name: 'box', title: 'Box', icon: 'box', key: 'B' },
@@ -18,7 +18,7 @@ export const pointers: readonly { name: Tool; title: string; icon: IconName; key
   { name: 'erase', title: 'Erase', icon: 'erase', key: 'E' },
   { name: 'fill', title: 'Fill', icon: 'fill', key: 'G' },
 ];
-/** What is done to all of a label. */
+/** Operations on all cells of a label. */
 export const wholes: readonly { op: WholeOp; title: string; icon: IconName; key?: string }[] = [
   { op: 'grow', title: 'Grow', icon: 'grow', key: ']' },
   { op: 'shrink', title: 'Shrink', icon: 'shrink', key: '[' },
@@ -31,14 +31,14 @@ export function useTools(all: () => readonly ColorLabel[]) {
   const chosenName = ref('');
   const chosen = computed(() => labels.value.find(({ name }) => name === chosenName.value) ?? labels.value[0] ?? null);
   const hidden = shallowRef<ReadonlySet<number>>(new Set());
-  /** Only where two colours meet is shown bright. */
+  /** Highlights only cells where two colours touch. */
   const showsConflicts = ref(false);
   const pickSize = ref<(typeof PICK_SIZES)[number]>(3);
   const brush = ref<Brush>({ shape: 'ball', size: 3, depth: 3, onlyClear: false });
   const y = ref(128);
   return {
     tool, labels, chosen, hidden, showsConflicts, pickSize, brush,
-    /** The level that the slice shows. */
+    /** The level of the slice. */
     y,
     colours: computed(() => palette(all(), hidden.value)),
     use(next: Tool) { tool.value = next; },

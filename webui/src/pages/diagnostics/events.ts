@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The history of alerts and of what was done, in words.
+// Texts for the history of alerts and actions.
 import type { EventEntry } from '../../api/types';
 import { exactDuration, figure } from '../../format';
 
@@ -14,7 +14,7 @@ export function filterEvents(entries: readonly EventEntry[], filter: EventFilter
   return filter === 'all' ? entries : entries.filter(({ kind, severity }) => kind === 'alert' && severity === 'bad');
 }
 
-/** How long an alert was there; nothing of what was done in a moment. */
+/** Duration of an alert; empty for an action. */
 export function lastedText({ kind, seconds, end }: EventEntry): string {
   if (kind !== 'alert') return '';
   return end === null ? `${exactDuration(seconds)} so far` : exactDuration(seconds);

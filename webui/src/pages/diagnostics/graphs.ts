@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the graphs show of the timeline: which curves, in which colour, on which scale.
+// The graphs of the timeline: curves, colours, scales.
 import { figure, latencyMs } from '../../format';
 import { outages, type Figure, type Series } from './timeline';
 
-/** CSS pixels left and right of every graph's plane, so that their times stand in line. */
+/** Margins of every graph in CSS pixels, equal so that their times align. */
 export const LEFT = 44;
 export const RIGHT = 12;
 
@@ -18,7 +18,7 @@ export interface Curve {
   values: readonly (number | null)[];
 }
 
-/** A time shaded in a camera's colour. */
+/** A period shaded in a camera's colour. */
 export interface Band {
   colour: string;
   from: number;
@@ -29,20 +29,20 @@ export interface GraphKind {
   key: 'latency' | 'fps' | 'seen' | 'lost';
   title: string;
   unit: string;
-  /** What the curves of a camera are; the second is dashed. */
+  /** The curves of a camera; the second one is dashed. */
   figures: readonly { figure: Figure; name: string }[];
   text: (value: number) => string;
   scale: Scale;
-  /** Counts have ticks at whole numbers, and steps instead of slopes. */
+  /** Counts have integer ticks, and steps instead of slopes. */
   isCount?: boolean;
   /** Share of the card's height. */
   height: number;
 }
 
-/** From zero, and not below this top. */
+/** From zero to at least `least`. */
 export const fromZero = (least: number): Scale => (_, highest) => [0, Math.max(least, (highest ?? 0) * 1.08)];
 
-/** Around what there is, and no closer than this span: a steady value stays a steady line. */
+/** Around the data, but at least `leastSpan` wide: a steady value stays a steady line. */
 export const around = (leastSpan: number): Scale => (lowest, highest) => {
   if (lowest === null || highest === null) return [0, leastSpan];
   const spare = Math.max(leastSpan - (highest - lowest), (highest - lowest) * 0.16) / 2;
@@ -67,7 +67,7 @@ export const graphKinds: readonly GraphKind[] = [
 ];
 
 const COLOURS = ['--g1', '--g2', '--g3', '--g4', '--g5', '--g6'];
-/** A camera's colour in all graphs; `place` is its place among the cameras. */
+/** A camera's colour in all graphs; `place` is its index among the cameras. */
 export const cameraColour = (place: number) => COLOURS[place % COLOURS.length]!;
 
 export function curvesOf(kind: GraphKind, series: Series, cameras: readonly number[]): Curve[] {
@@ -77,11 +77,11 @@ export function curvesOf(kind: GraphKind, series: Series, cameras: readonly numb
   })));
 }
 
-/** When cameras did not run. */
+/** Periods in which cameras were not running. */
 export const bandsOf = (series: Series, cameras: readonly number[]): Band[] =>
   cameras.flatMap((camera, place) => outages(series, camera).map(([from, to]) => ({ colour: cameraColour(place), from, to })));
 
-/** A camera's figures at a sample, as text: "0.40 / 0.75". Null where it did not run. */
+/** A camera's figures at a sample, as a text: "0.40 / 0.75". Null if it was not running. */
 export function valuesAt(kind: GraphKind, series: Series, camera: number, sample: number): string | null {
   const texts = kind.figures.map(({ figure: name }) => {
     const value = series.cameras.get(camera)?.[name][sample];

@@ -8,14 +8,14 @@ export interface LogAxis {
   to: number;
 }
 
-/** The axis that holds all of these; null when nothing was measured. */
+/** The axis that covers all of them; null if nothing was measured. */
 export function commonAxis(histograms: readonly Histogram[]): LogAxis | null {
   const filled = histograms.filter(({ edges_us }) => edges_us.length > 1);
   if (!filled.length) return null;
   return { from: Math.min(...filled.map(({ edges_us }) => edges_us[0]!)), to: Math.max(...filled.map(({ edges_us }) => edges_us.at(-1)!)) };
 }
 
-/** Per cent of the axis' length. */
+/** Position on the axis in percent of its length. */
 export function placeOf({ from, to }: LogAxis, us: number): number {
   return (Math.log(us / from) / Math.log(to / from)) * 100;
 }
@@ -23,7 +23,7 @@ export function placeOf({ from, to }: LogAxis, us: number): number {
 const TICKS_PER_DECADE = [1, 2, 5];
 const MOST_TICKS = 6;
 
-/** Round durations on the axis: 1, 2, 5 of each decade, or decades alone where those would be many. */
+/** Round durations on the axis: 1, 2, 5 of each decade, or only decades if those are too many. */
 export function ticksOf(axis: LogAxis): number[] {
   const decades = Array.from({ length: 12 }, (_, i) => 10 ** (i - 2));
   const within = (steps: number[]) => decades.flatMap((decade) => steps.map((step) => Number((decade * step).toPrecision(1)))).filter((us) => us >= axis.from && us <= axis.to);
@@ -33,7 +33,7 @@ export function ticksOf(axis: LogAxis): number[] {
 
 const round = (value: number) => Math.round(value * 1000) / 1000;
 
-/** Outline of the bars, the highest of them 1 high. Its plane hangs: 0 is above. */
+/** Outline of the bars, the highest of them 1 high; y = 0 is at the top. */
 export function shapeOf({ edges_us, counts }: Histogram, axis: LogAxis): string {
   const most = Math.max(...counts);
   if (!counts.length || most <= 0) return '';

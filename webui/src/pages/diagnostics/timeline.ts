@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The service's timeline, followed: the first answer is all of it, later ones add their seconds.
+// Follows the service's timeline: the first answer is complete, later ones add their seconds.
 import type { CameraTimeline, Timeline } from '../../api/types';
 
 export const LONGEST_S = 600;
-/** Asked for again, so that nothing is missed between two answers. */
+/** These seconds are requested again, so that nothing is missed between two answers. */
 const OVERLAP_S = 5;
-/** No answer is so late. */
+/** No answer is this late: the clock was set back. */
 const CLOCK_WAS_SET_S = 60;
 
 export const figures = ['fps', 'latency_p50_ms', 'latency_p99_ms', 'robots', 'balls', 'dropped', 'incomplete'] as const satisfies readonly (keyof CameraTimeline)[];
@@ -13,9 +13,9 @@ export type Figure = (typeof figures)[number];
 export type CameraSeries = Record<Figure, (number | null)[]>;
 
 export interface Series {
-  /** Unix seconds, rising. A hole in time is a sample without values. */
+  /** Unix seconds, ascending. A gap in time is a sample without values. */
   times: number[];
-  /** By the camera's id; all lists are as long as `times`. */
+  /** By camera id; all lists are as long as `times`. */
   cameras: Map<number, CameraSeries>;
 }
 
@@ -24,12 +24,12 @@ export const noSeries: Series = { times: [], cameras: new Map() };
 const emptyCamera = (length: number) =>
   Object.fromEntries(figures.map((figure) => [figure, new Array<number | null>(length).fill(null)])) as CameraSeries;
 
-/** The series with the answer's newer seconds, ten minutes at most; begun again when the service's clock was set back. */
+/** Adds the answer's newer seconds and keeps ten minutes; starts over if the service's clock was set back. */
 export function follow(series: Series, { interval_s, time_s, cameras }: Timeline): Series {
   const last = series.times.at(-1) ?? -Infinity;
   if (time_s.length && time_s.at(-1)! < last - CLOCK_WAS_SET_S) return follow(noSeries, { interval_s, time_s, cameras });
   const times = [...series.times];
-  /** Places of the new samples in the answer; null is a hole. */
+  /** Indices of the new samples in the answer; null is a gap. */
   const added: (number | null)[] = [];
   time_s.forEach((time, i) => {
     if (time <= last) return;
@@ -55,7 +55,7 @@ export function follow(series: Series, { interval_s, time_s, cameras }: Timeline
   return next;
 }
 
-/** When a camera did not run: pairs of Unix seconds. */
+/** Periods in which a camera was not running: pairs of Unix seconds. */
 export function outages({ times, cameras }: Series, camera: number): [number, number][] {
   const fps = cameras.get(camera)?.fps ?? [];
   const found: [number, number][] = [];
@@ -68,11 +68,11 @@ export function outages({ times, cameras }: Series, camera: number): [number, nu
   return found;
 }
 
-/** How many seconds to ask for so that none is missed; `silent_s` went by since the last answer. */
+/** Number of seconds to request so that none is missed; `silent_s`: time since the last answer. */
 export const secondsToAsk = (series: Series, silent_s: number) =>
   series.times.length ? Math.min(LONGEST_S, Math.ceil(silent_s) + OVERLAP_S) : LONGEST_S;
 
-/** The sample nearest to a moment. */
+/** Index of the sample nearest to a time. */
 export function nearestSample(times: readonly number[], time: number): number | null {
   let low = 0;
   let high = times.length - 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the published ball models say of a kick, for people.
+// What the published ball models predict for a kick.
 
 export interface BallModels {
   acc_slide: number;
@@ -11,14 +11,14 @@ export interface BallModels {
 }
 
 export interface Roll {
-  /** m after which the ball rolls, and after which it lies; null: never. */
+  /** Distance in m until the ball rolls, and until it stops; null: never. */
   slide_m: number | null;
   stop_m: number | null;
   /** m/s when it starts to roll. */
   switch_m_s: number;
 }
 
-/** Way on which a speed falls to another, m. */
+/** Distance over which the speed drops from one value to another, m; null: it never does. */
 const way = (from: number, to: number, acc: number) => (from <= to ? 0 : acc < 0 ? (from * from - to * to) / (-2 * acc) : null);
 
 export function rollOf(models: BallModels, kick_m_s: number): Roll {
@@ -28,7 +28,7 @@ export function rollOf(models: BallModels, kick_m_s: number): Roll {
   return { switch_m_s, slide_m, stop_m: slide_m === null || roll_m === null ? null : slide_m + roll_m };
 }
 
-/** Speed in m/s after so many metres. */
+/** Speed in m/s after a distance in m. */
 export function speedAfter(models: BallModels, kick_m_s: number, distance_m: number): number {
   const { slide_m, switch_m_s } = rollOf(models, kick_m_s);
   const isSliding = slide_m === null || distance_m < slide_m;
@@ -36,6 +36,6 @@ export function speedAfter(models: BallModels, kick_m_s: number, distance_m: num
   return Math.sqrt(Math.max(0, square));
 }
 
-/** Heights in mm of the hops that follow one of this height. */
+/** Heights in mm of the hops that follow one of height_mm. */
 export const hops = ({ damping_z }: BallModels, height_mm: number, count: number): number[] =>
   Array.from({ length: count }, (_, i) => height_mm * damping_z ** (2 * (i + 1)));

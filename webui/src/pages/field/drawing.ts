@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The field's plan in screen pixels, so that letters and dimension lines keep their size whatever the field's.
+// The field's plan in screen pixels, so that text and dimension lines keep their size for every field.
 import type { FieldSize } from '../../api/types';
 import type { Point } from '../../geometry/cameraModel';
 import { fieldArcs, fieldLines } from '../../geometry/fieldLines';
@@ -12,21 +12,21 @@ export interface Dimension {
   mm: number;
   from: Point;
   to: Point;
-  /** From what is measured to the line's ends. */
+  /** From the measured points to the line's ends. */
   extensions: [Point, Point][];
   label: Point;
   anchor: 'start' | 'middle';
 }
 
-/** Room around the plan for the dimensions outside of it. */
+/** Margins around the plan for the outer dimensions. */
 export const MARGIN = { left: 50, right: 58, top: 12, bottom: 40 };
-/** From the plan's edge to a dimension outside of it. */
+/** From the plan's edge to an outer dimension. */
 const OUTSIDE = 20;
-/** From a dimension line to a label beside it. */
+/** From a dimension line to its label. */
 const BESIDE = 7;
 
 const goalLineBoundary = (field: FieldSize) => field.boundary_width_goal_line ?? field.boundary_width;
-/** From the middle to the edge of what is drawn, in mm. */
+/** From the centre to the edge of the drawing, mm. */
 const extent = (field: FieldSize): Point => ({
   x: field.field_length / 2 + Math.max(goalLineBoundary(field), field.goal_depth),
   y: field.field_width / 2 + field.boundary_width,
@@ -35,11 +35,11 @@ const extent = (field: FieldSize): Point => ({
 export interface Plane {
   /** Pixels per mm. */
   scale: number;
-  /** Of the field's middle, in pixels. */
+  /** The field's centre, pixels. */
   middle: Point;
 }
 
-/** The largest plan that fits with its dimensions; of several fields all fit, at one scale. */
+/** The largest plan that fits with its dimensions; several fields share one scale. */
 export function planeFor(fields: FieldSize[], box: Size): Plane {
   const halves = fields.map(extent);
   const half = { x: Math.max(...halves.map(({ x }) => x)), y: Math.max(...halves.map(({ y }) => y)) };
@@ -50,7 +50,7 @@ export function planeFor(fields: FieldSize[], box: Size): Plane {
   };
 }
 
-/** Where a point of the field (mm, +y up) lies in the image. */
+/** Converts a point of the field (mm, +y up) to the drawing. */
 export const place = ({ scale, middle }: Plane, x: number, y: number): Point => ({ x: middle.x + x * scale, y: middle.y - y * scale });
 
 const round = (value: number) => Math.round(value * 100) / 100;
@@ -79,7 +79,7 @@ export function planOf(field: FieldSize, plane: Plane): Plan {
   };
 }
 
-/** Every size that is seen from above, with where it is measured. */
+/** Every size that is visible from above, with where it is measured. */
 export function dimensionsOf(field: FieldSize, plane: Plane): Dimension[] {
   const at = (x: number, y: number) => place(plane, x, y);
   const [a, b] = [field.field_length / 2, field.field_width / 2];
@@ -91,7 +91,7 @@ export function dimensionsOf(field: FieldSize, plane: Plane): Dimension[] {
   const middleOf = (p: Point, q: Point): Point => ({ x: (p.x + q.x) / 2, y: (p.y + q.y) / 2 });
 
   const dimensions: Dimension[] = [];
-  /** Measured between two points of the image, its line moved aside. */
+  /** Adds a dimension between two points of the drawing, its line offset by `aside`. */
   const add = (key: SizeKey, p: Point, q: Point, aside: Point, label?: Point, anchor: Dimension['anchor'] = 'middle') => {
     const from = { x: p.x + aside.x, y: p.y + aside.y };
     const to = { x: q.x + aside.x, y: q.y + aside.y };

@@ -15,7 +15,7 @@ function factOf(card: NetworkInterface): string {
   return card.multicast ? addresses : `${addresses}, no multicast`;
 }
 
-/** The cards to choose from, those that can send first, and what is set even if it is not there. */
+/** The cards to choose from: those that can send first, and the configured one even if it is missing. */
 export function interfaceChoices(cards: NetworkInterface[], set: string, none: string): InterfaceChoice[] {
   const canSend = (card: NetworkInterface) => card.has_link && card.addresses.length > 0;
   const choices = [...cards].sort((one, other) => Number(canSend(other)) - Number(canSend(one)))

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What kicks tell of the ball, in words.
+// Texts about ball parameters learnt from kicks.
 import type { BallLearning } from '../../api/types';
 
-/** The names of the published models' values. */
+/** Titles of the published models' values. */
 export const BALL_TITLES = {
   acc_slide: 'Sliding', acc_roll: 'Rolling', k_switch: 'Starts to roll',
   damping_xy_first_hop: 'First hop', damping_xy_other_hops: 'Later hops', damping_z: 'Height of hops',
@@ -16,11 +16,11 @@ export interface LearntRow {
 }
 
 const unitOf = (key: string) => (key.startsWith('acc_') ? ' m/s²' : '');
-/** Digits after the point that a value of this uncertainty deserves. */
+/** Number of decimals that this uncertainty justifies. */
 const digitsFor = (sigma: number) => Math.min(4, Math.max(0, 1 - Math.floor(Math.log10(Math.max(sigma, 1e-6)))));
 const text = (value: number, digits: number) => value.toFixed(digits).replace('-', '−');
 
-/** What is known so far. */
+/** The values learnt so far. */
 export function learntRows({ numbers }: BallLearning): LearntRow[] {
   return numbers.flatMap(({ key, learnt, sigma, now }) => {
     if (learnt === null || sigma === null) return [];

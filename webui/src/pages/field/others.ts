@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What another vision on our group means for the teams, in words.
+// Texts on what another vision in our group means for the teams.
 import type { OtherVision } from '../../api/types';
 import { titleOf } from '../../settings/schema';
 

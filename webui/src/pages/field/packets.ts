@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a detection packet says, ready to be shown.
+// The contents of a detection packet, prepared for display.
 import type { HeardDetection, Listeners, SentPackets } from '../../api/types';
 import { decimal, plural } from '../../format';
 
@@ -17,7 +17,7 @@ export interface SeenRow {
 }
 
 const NONE = '–';
-/** 0.1 mm is finer than any camera sees. */
+/** 0.1 mm is finer than any camera resolves. */
 const mm = (value: number | undefined) => (value === undefined ? NONE : decimal(value, 1));
 export const degrees = (rad: number | undefined) => (rad === undefined ? NONE : decimal((rad * 180) / Math.PI, 1));
 const pixel = (x: number, y: number) => `${decimal(x, 1)}, ${decimal(y, 1)}`;
@@ -37,7 +37,7 @@ export function seenRows({ balls, robots_yellow, robots_blue }: HeardDetection['
   return rows;
 }
 
-/** From exposure to sending, by the packet's own times. */
+/** Time from exposure to sending in ms, by the packet's own times. */
 export const latencyOf = ({ t_capture, t_sent }: HeardDetection['packet']['detection']) => (t_sent - t_capture) * 1000;
 
 /** "2 sockets of user robocup, 1 socket of user root" */

@@ -8,7 +8,7 @@ export interface Difference {
   after: Json;
 }
 
-/** What of the field a preset would change. */
+/** What a preset would change in the field. */
 export function differences(field: Json | undefined, preset: FieldPreset): Difference[] {
   const now = (field ?? {}) as Record<string, Json>;
   return Object.entries(preset.field as Record<string, Json>)
@@ -16,7 +16,7 @@ export function differences(field: Json | undefined, preset: FieldPreset): Diffe
     .filter(({ before, after }) => !isEqual(before, after));
 }
 
-/** One patch for all of it. */
+/** One patch for all changes. */
 export const presetOperations = (tree: Json, changes: Difference[]): Operation[] =>
   changes.flatMap(({ key, after }) => setOperations(tree, pointerOf(['field', key]), after));
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lines and arcs as the geometry packets carry them, each with its thickness.
+// Lines and arcs as in the geometry packets, each with its thickness.
 import type { FieldSize } from '../../api/types';
 import { fieldCurves, fieldLines } from '../../geometry/fieldLines';
 
@@ -17,7 +17,7 @@ export const publishedArcs = (field: FieldSize): ArcRow[] => fieldCurves(field).
   ...arc, thickness: thicknessOf(field, field.field_arcs?.[i]?.thickness),
 }));
 
-/** A name that none of them has. */
+/** An unused name. */
 export function newName(kind: string, names: string[]): string {
   for (let i = names.length + 1; ; i++) {
     if (!names.includes(`${kind} ${i}`)) return `${kind} ${i}`;

@@ -2,8 +2,8 @@
 import { onMounted, onUnmounted, ref, type Ref } from 'vue';
 
 /**
- * Keeps the screen on while the page is there. Browsers allow it only over HTTPS or on the service's own computer;
- * what comes back says whether they did.
+ * Keeps the screen on while the page is open. Browsers allow it only over HTTPS or on the service's own computer.
+ * Returns whether it is active.
  */
 export function useWakeLock(): Ref<boolean> {
   const isAwake = ref(false);
@@ -11,12 +11,12 @@ export function useWakeLock(): Ref<boolean> {
   let isOver = false;
   async function ask(): Promise<void> {
     if (document.hidden || isAwake.value || !('wakeLock' in navigator)) return;
-    // Refused, say for an empty battery: the screen sleeps as it always did.
+    // Refused, for example because the battery is empty: the screen sleeps as usual.
     const got = await navigator.wakeLock.request('screen').catch(() => null);
     if (isOver || !got) return void got?.release();
     lock = got;
     isAwake.value = true;
-    // The browser takes it back whenever the page is hidden.
+    // The browser releases the lock whenever the page is hidden.
     got.addEventListener('release', () => { isAwake.value = false; });
   }
   const onVisible = () => void ask();

@@ -4,7 +4,7 @@ import type { Recordings } from '../../api/types';
 import { logPath, newestState } from './useRecordings';
 
 const used = (used_bytes: number) => ({ disk: { used_bytes } }) as Recordings;
-/** An answer that comes when it is told to. */
+/** An answer that arrives on demand. */
 function later() {
   let come: (answer: Recordings) => void = () => {};
   let fail: (error: Error) => void = () => {};

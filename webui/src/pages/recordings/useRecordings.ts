@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the service records, kept up to date, and what can be asked of it.
+// The service's recordings, polled, with the commands for them.
 import { ref, shallowRef } from 'vue';
 import { api } from '../../api/client';
 import type { Recordings } from '../../api/types';
@@ -9,7 +9,7 @@ const PERIOD_MS = 1500;
 
 export const logPath = (name: string): string => `recordings/logs/${encodeURIComponent(name)}`;
 
-/** The newest state. An answer counts unless something newer was asked since. */
+/** The newest state. Answers overtaken by a later request are ignored. */
 export function newestState() {
   const state = shallowRef<Recordings | null>(null);
   let newest = 0;
@@ -27,7 +27,7 @@ export function useRecordings() {
   const { state, look } = newestState();
   const isBusy = ref(false);
   const trouble = usePolling(async () => {
-    // The answer to a change says it, too.
+    // The answer to a pending change contains the state, too.
     if (!isBusy.value) await look(() => api.get<Recordings>('recordings'));
   }, PERIOD_MS);
 

@@ -22,7 +22,7 @@ describe('the log of this moment', () => {
     expect(text({ started_by: 'hand' }).more).toBe('Started by hand. It records until you press Stop.');
     expect(text({ state: 'paused' }).text).toBe('Paused: break. Yellow vs Blue, 12 min, 34 MB so far');
     expect(text({ ...none, state: 'left_out', error: '192.0.2.1 stopped its log' })).toMatchObject({ level: 'warn', text: 'This match is not recorded: 192.0.2.1 stopped its log' });
-    expect(text({ ...none, state: 'waiting' }).text).toBe('Waits for the game controller: it starts when both teams are named and HALT is over');
+    expect(text({ ...none, state: 'waiting' }).text).toBe('Waiting for the game controller: recording starts when both teams are named and HALT ends');
     expect(text({ ...none, state: 'off' }).text).toBe('Off');
   });
   it('says why it failed, and what to do', () => {

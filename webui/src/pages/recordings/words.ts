@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the page says about recording, in words.
+// Texts about recording.
 import type { MatchLog, MatchLogNow, Recordings, Status } from '../../api/types';
 import { bytes } from '../../bytes';
 import { duration, figure, plural, timeOfDay } from '../../format';
@@ -10,23 +10,23 @@ import { dayAndTime, readName } from './names';
 export interface Now {
   level: '' | 'ok' | 'warn' | 'bad' | 'info';
   icon: IconName;
-  /** One word for it. */
+  /** One word. */
   word: string;
-  /** A sentence. */
+  /** One sentence. */
   text: string;
-  /** What else there is to know or to do; empty: nothing. */
+  /** Further details or advice; empty: none. */
   more: string;
 }
 
-/** The log is open: there is something to stop. */
+/** The log is open, so it can be stopped. */
 export const isWriting = ({ state }: MatchLogNow): boolean => state === 'recording' || state === 'paused';
-/** That log is the one being written. */
+/** That log is being written. */
 export const isWritten = (now: MatchLogNow, name: string): boolean => isWriting(now) && now.name === name;
 
 const titleOf = ({ name }: MatchLogNow) => (name === null ? 'Match log' : readName(name).title);
 const size = (now: MatchLogNow) => `${duration(now.seconds)}, ${bytes(now.bytes)}`;
 
-/** With less than this the disk is what stopped it. */
+/** With less free space, a full disk is the cause. */
 const FULL_BYTES = 100e6;
 
 export function nowText({ match_log: now, disk }: Pick<Recordings, 'match_log' | 'disk'>): Now {
@@ -38,7 +38,7 @@ export function nowText({ match_log: now, disk }: Pick<Recordings, 'match_log' |
     case 'paused':
       return { level: 'info', icon: 'pause', word: 'Paused', text: `Paused: break. ${titleOf(now)}, ${size(now)} so far`, more: 'The log continues when the match does.' };
     case 'waiting':
-      return { level: 'info', icon: 'history', word: 'Waiting', text: 'Waits for the game controller: it starts when both teams are named and HALT is over', more: 'Or start it now by hand.' };
+      return { level: 'info', icon: 'history', word: 'Waiting', text: 'Waiting for the game controller: recording starts when both teams are named and HALT ends', more: 'Or start it now by hand.' };
     case 'left_out':
       return { level: 'warn', icon: 'warn', word: 'Not recorded', text: `This match is not recorded: ${now.error || 'its log was stopped'}`, more: 'Press Record to record the rest of it. The next match is recorded again.' };
     case 'off':
@@ -56,48 +56,48 @@ function startedText({ started_by }: MatchLogNow): string {
   return started_by === 'hand' ? 'Started by hand. It records until you press Stop.' : '';
 }
 
-/** A log is this old before its silence means something. */
+/** A log must be this old before missing messages mean something. */
 const FIRST_MESSAGES_S = 5;
 
 export interface Hint {
   id: 'lost' | 'vision' | 'controller';
   text: string;
-  /** Where to look, as the router's pages have it. */
+  /** Where to check, as a page of the router. */
   place: { text: string; page: string; argument: string };
 }
 
-/** What is wrong with what is recorded, or keeps it from starting. `referee`: null when it is not known now. */
+/** Problems with what is recorded, or why recording does not start. `referee`: null while unknown. */
 export function hintsOf(now: MatchLogNow, referee: Pick<Status['referee'], 'enabled' | 'silent_s'> | null): Hint[] {
   const hints: Hint[] = [];
   if (now.lost > 0) {
     const [were, are] = now.lost === 1 ? ['was', 'is'] : ['were', 'are'];
     hints.push({
-      id: 'lost', text: `${plural(now.lost, 'message')} ${were} lost and ${are} not in the log: the disk is too slow. Use a faster disk, or stop what else writes to it.`,
+      id: 'lost', text: `${plural(now.lost, 'message')} ${were} lost and ${are} not in the log: the disk is too slow. Use a faster disk, or stop other programs that write to it.`,
       place: { text: 'Open Diagnostics', page: 'diagnostics', argument: '' },
     });
   }
   if (now.state === 'recording' && now.seconds >= FIRST_MESSAGES_S && now.messages.vision === 0) {
     hints.push({
-      id: 'vision', text: 'No vision message has come: the log has no robots and no ball. Check that cameras run and that packets are sent.',
+      id: 'vision', text: 'No vision message has been received: the log has no robots and no ball. Check that cameras run and that packets are sent.',
       place: { text: 'Open the packets', page: 'field', argument: 'packets' },
     });
   }
   if (now.state === 'waiting' && referee !== null && (!referee.enabled || (referee.silent_s ?? Infinity) > QUIET_S)) {
     hints.push({
       id: 'controller',
-      text: referee.enabled ? 'No game controller is heard, so nothing starts automatically.' : 'Listening to the game controller is off in the settings, so nothing starts automatically.',
+      text: referee.enabled ? 'No game controller message is received, so nothing starts automatically.' : 'Listening to the game controller is off in the settings, so nothing starts automatically.',
       place: { text: 'Open the network', page: 'field', argument: 'network' },
     });
   }
   return hints;
 }
 
-/** "12 GB of 50 GB"; the quota 0 is none. */
+/** "12 GB of 50 GB"; a quota of 0 means none. */
 export const usedText = ({ used_bytes, quota_bytes }: Recordings['disk']): string => (quota_bytes > 0 ? `${bytes(used_bytes)} of ${bytes(quota_bytes)}` : bytes(used_bytes));
 
 export type Kept = Pick<MatchLog, 'bytes' | 'pinned'>;
 
-/** Shares of the bar, 0 to 1: what pinned logs take, and the others. */
+/** Shares of the bar, 0 to 1: pinned logs, and the others. */
 export function sharesOf({ used_bytes, quota_bytes }: Recordings['disk'], kept: readonly Kept[]): { pinned: number; others: number } {
   const whole = Math.max(quota_bytes, used_bytes, 1);
   const pinned = Math.min(pinnedBytes(kept), used_bytes);
@@ -109,12 +109,12 @@ export interface LogFacts {
   title: string;
   phase: string;
   when: string;
-  /** Empty what is not known. */
+  /** Empty if unknown. */
   length: string;
   size: string;
   goals: string;
   messages: string;
-  /** The service still reads the file. */
+  /** The service is still reading the file. */
   isReading: boolean;
 }
 

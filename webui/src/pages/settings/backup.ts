@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a backup holds, for people.
+// The contents of a backup, as texts.
 import type { BackupContents } from '../../api/types';
 import { clockTime, figure, plural } from '../../format';
 
@@ -30,7 +30,7 @@ export function heldIn(contents: BackupContents, now = new Date()): Row[] {
   ];
 }
 
-/** The panel's port, where that changes; what is open in a browser loses the service then. */
+/** The panel's new port, if the backup changes it: open panels then lose the service. Null: no change. */
 export function movesTo({ changes }: BackupContents): number | null {
   const port = changes.find(({ path }) => path === '/panel/port')?.after;
   return typeof port === 'number' && port > 0 ? port : null;

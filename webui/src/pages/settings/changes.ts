@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Changes that a profile or a file would make, in the parts that one ticks.
+// Changes that a profile or a file would make, in selectable sections.
 import type { SettingsChange } from '../../api/types';
 import { keysOf, pointerOf, type Json, type Operation } from '../../settings/pointer';
 import { titleOf } from '../../settings/schema';
 import { placeText } from './places';
 
 export interface Section {
-  /** The place that all of it lies at. */
+  /** The place that contains all its changes. */
   key: string;
   title: string;
   changes: SettingsChange[];
-  /** Calibrations belong to where cameras hang, not to how one wants to play. */
+  /** Calibrations depend on where cameras hang, not on preferences. */
   isCalibration: boolean;
 }
 
@@ -38,11 +38,11 @@ export function sectionsOf(tree: Json, changes: SettingsChange[]): Section[] {
   return [...sections.values()];
 }
 
-/** As a patch, in the order in which the service made them: places in lists count on it. */
+/** As a patch, in the service's order, because list indices depend on it. */
 export const patchOf = (changes: SettingsChange[]): Operation[] => changes.map(({ op, path, after }) =>
   (op === 'remove' ? { op, path } : { op, path, value: after as Json }));
 
-/** The settings in a file's text, or what is wrong with it. */
+/** Parses the settings in a file's text, or returns the error. */
 export function readTree(name: string, text: string): { settings: Json } | { error: string } {
   let parsed: unknown;
   try {

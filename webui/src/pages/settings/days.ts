@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { SettingsStep } from '../../api/types';
 
-/** Steps under the days on which they were made, in the reader's zone. */
+/** Groups steps by day, in the viewer's time zone. */
 export function daysOf(steps: SettingsStep[], now = new Date()): { title: string; steps: SettingsStep[] }[] {
   const days: { title: string; steps: SettingsStep[] }[] = [];
   for (const step of steps) {

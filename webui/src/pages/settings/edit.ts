@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Changes of whole parts of the settings: entries of lists, cameras, what can be absent.
+// Changes of whole parts of the settings: list entries, cameras, optional groups.
 import type { Status } from '../../api/types';
 import { fieldCurves, fieldLines } from '../../geometry/fieldLines';
 import { isEqual, keysOf, pointerOf, valueAt, type Json } from '../../settings/pointer';
@@ -8,7 +8,7 @@ import { nodeAt, type SchemaNode } from '../../settings/schema';
 const defaultsOf = (node: SchemaNode | undefined): Json => Object.fromEntries(Object.entries(node?.properties ?? {})
   .flatMap(([key, one]) => (one.default === undefined ? [] : [[key, one.default]])));
 
-/** What something absent begins with: something that works, or at least shows what to fill in. */
+/** Initial value of an optional part: one that works, or at least shows what to fill in. */
 export function startOf(schema: SchemaNode, tree: Json, pointer: string, status: Status | null): Json {
   const key = keysOf(pointer).at(-1);
   if (key === 'field_lines' && status) return fieldLines({ ...status.field, field_lines: null }).map(({ name, p1, p2 }) => ({ name, x1: p1.x, y1: p1.y, x2: p2.x, y2: p2.y, thickness: 0 }));
@@ -25,7 +25,7 @@ export function startOf(schema: SchemaNode, tree: Json, pointer: string, status:
   return start;
 }
 
-/** A new entry of a list: as the last one is, else one that is allowed and does no harm. */
+/** A new list entry: a copy of the last one, else one that is valid and harmless. */
 export function newEntry(schema: SchemaNode, tree: Json, list: string): Json {
   const entries = valueAt(tree, list);
   if (Array.isArray(entries) && entries.length) return entries.at(-1)!;
@@ -36,7 +36,7 @@ export function newEntry(schema: SchemaNode, tree: Json, list: string): Json {
   return start;
 }
 
-/** An entry of a list in a few words. */
+/** A short title for a list entry. */
 export function entryTitle(entry: Json, index: number): string {
   for (const key of ['label', 'name']) {
     const text = valueAt(entry, `/${key}`);
@@ -46,7 +46,7 @@ export function entryTitle(entry: Json, index: number): string {
   return Array.isArray(points) ? `Polygon of ${points.length} corners` : `Entry ${index + 1}`;
 }
 
-/** Where an entry is that was at `index`; null when it is gone. */
+/** Current index of the entry that was at `index`; null if it is gone. */
 export function entryPlace(list: Json | undefined, index: number, entry: Json): number | null {
   if (!Array.isArray(list)) return null;
   if (isEqual(list[index], entry)) return index;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values of free objects as one types them: JSON where it is JSON, else a text.
+// Values of free-form objects as typed by the user: JSON if it is valid, else a text.
 import type { Json } from '../../settings/pointer';
 
 export function looseValue(text: string): Json {
@@ -10,7 +10,7 @@ export function looseValue(text: string): Json {
   }
 }
 
-/** A text that would be read as something else is shown in its quotes. */
+/** A text that would be parsed as something else is shown in quotes. */
 export function looseText(value: Json): string {
   if (typeof value !== 'string') return JSON.stringify(value);
   return looseValue(value) === value ? value : JSON.stringify(value);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One line on what was just done, with the way back. It stays until the next, or until it is closed.
+// One line about the last action, with Undo. It stays until the next one, or until it is closed.
 import { shallowRef } from 'vue';
 import { clockTime } from '../../format';
 import { undoStep, type Outcome } from '../../state/settings';
@@ -15,7 +15,7 @@ export const notice = shallowRef<Notice | null>(null);
 export const say = (text: string, undo?: () => Promise<void>) => { notice.value = { text, undo }; };
 export const sayBad = (text: string) => { notice.value = { text, isBad: true }; };
 
-/** Why something did not happen, for people; empty when it did. */
+/** Why an action failed; empty on success. */
 export function refusal(outcome: Outcome): string {
   if (outcome.kind === 'saved') return '';
   if (outcome.kind === 'stale') return `${outcome.step.who} changed the same setting at ${clockTime(outcome.step.time)}. Nothing was overwritten.`;
@@ -25,11 +25,11 @@ export function refusal(outcome: Outcome): string {
 export function sayOutcome(outcome: Outcome, done: string, undo?: () => Promise<void>): void {
   const text = refusal(outcome);
   if (text) sayBad(text);
-  else if (outcome.kind === 'saved' && outcome.refused) sayBad(`${done}, but not taken by the camera: ${outcome.refused.join('; ')}`);
+  else if (outcome.kind === 'saved' && outcome.refused) sayBad(`${done}, but rejected by the camera: ${outcome.refused.join('; ')}`);
   else say(done, undo);
 }
 
-/** Says what was saved, and offers to take just that back. */
+/** Reports what was saved, and offers to undo exactly that. */
 export function saySaved(outcome: Outcome, done: string): void {
   const step = outcome.kind === 'saved' ? outcome.revision : undefined;
   sayOutcome(outcome, done, step === undefined ? undefined : async () => sayOutcome(await undoStep(step), 'Undone'));

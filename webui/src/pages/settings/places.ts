@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The settings as places of a tree, as an admin thinks of them: what lies where, and what differs from its default.
+// The settings as a tree of places, as an admin thinks of them: what is where, and what differs from its default.
 import { isEqual, keysOf, pointerOf, valueAt, type Json } from '../../settings/pointer';
 import { isNullable, kindOf, nodeAt, shapeOf, titleOf, valueOr, type SchemaNode } from '../../settings/schema';
 
@@ -9,20 +9,20 @@ export interface Setting {
   key: string;
   help: string;
   place: Place;
-  /** Titles of its place, and of the groups there that it is in. */
+  /** Titles of its place, and of the groups there that contain it. */
   path: string[];
   /** Differs from its default. */
   isChanged: boolean;
   /** Has a control of its own; the others have a page. */
   isRow: boolean;
-  /** See SettingRow: its default means nothing. */
+  /** Its default is meaningless; see SettingRow. */
   plain: boolean;
 }
 
 export interface Place {
   pointer: string;
   title: string;
-  /** A word on what is there. */
+  /** A short summary of its contents. */
   fact: string;
   /** Titles from the root to this place. */
   path: string[];
@@ -31,7 +31,7 @@ export interface Place {
   changed: number;
 }
 
-/** Pages that are no places of the tree. "~" alone is in no JSON Pointer, so no key can be named so. */
+/** Pages outside the tree. A bare "~" is invalid in a JSON Pointer, so no key can have these names. */
 export const GENERAL = '~general';
 export const PROFILES = '~profiles';
 export const HISTORY = '~history';
@@ -43,7 +43,7 @@ export const cameraOf = (pointer: string): number | null => {
   return list === 'cameras' && index !== undefined && /^\d+$/.test(index) ? Number(index) : null;
 };
 
-/** The stage whose parameters lie there. */
+/** The stage whose parameters are at a pointer. */
 export const stageOf = (pointer: string): string | null => {
   const [list, , stages, stage] = keysOf(pointer);
   return list === 'cameras' && stages === 'stages' ? stage ?? null : null;
@@ -67,7 +67,7 @@ export interface Overview {
   settings: Setting[];
 }
 
-/** All that is in use; parameters of stages that are not in a stack are not. */
+/** All settings in use; parameters of stages that are not in a stack are not. */
 export function overview(schema: SchemaNode, tree: Json): Overview {
   const settings: Setting[] = [];
   const newPlace = (pointer: string, title: string, fact: string, parent?: Place): Place => {
@@ -93,7 +93,7 @@ export function overview(schema: SchemaNode, tree: Json): Overview {
     }
   }
 
-  /** A group that may be absent counts as one where its default is to be absent: its numbers have no defaults then. */
+  /** A group that is absent by default counts as one setting: its numbers have no defaults. */
   function whole(place: Place, pointer: string, node: SchemaNode, value: Json | undefined, differs: boolean, plain: boolean, path = place.path): void {
     const isAbsent = isNullable(node) && value === null;
     const startsAbsent = isNullable(node) && node.default === null;
@@ -165,7 +165,7 @@ export function overview(schema: SchemaNode, tree: Json): Overview {
 /** All places, parents before their children. */
 export const flat = (places: Place[]): Place[] => places.flatMap((place) => [place, ...flat(place.children)]);
 
-/** Those whose title, key, help or place has all the words. */
+/** The settings whose title, key, help or place contains all words. */
 export function search(settings: Setting[], query: string): Setting[] {
   const words = query.toLowerCase().split(/\s+/).filter(Boolean);
   return settings.filter(({ title, key, help, path, pointer }) => {
@@ -180,7 +180,7 @@ export interface PlaceGroup {
   settings: Setting[];
 }
 
-/** Settings under the titles of where they lie. */
+/** Groups settings by place. */
 export function byPlace(settings: Setting[]): PlaceGroup[] {
   const groups = new Map<string, PlaceGroup>();
   for (const setting of settings) {
@@ -193,7 +193,7 @@ export function byPlace(settings: Setting[]): PlaceGroup[] {
   return [...groups.values()];
 }
 
-/** The page that shows what stands there: the place itself where it is a group or list, else what it is in. */
+/** The page for a pointer: the place itself if it is a group or a list, else the one that contains it. */
 export function pageOf(schema: SchemaNode, tree: Json, pointer: string): string {
   const node = nodeAt(schema, tree, pointer);
   if (pointer === '' || !node) return pointer;
@@ -202,8 +202,8 @@ export function pageOf(schema: SchemaNode, tree: Json, pointer: string): string 
 }
 
 /**
- * "Camera 0 / detect_balls / min_area_ratio": a place of the settings in a line. `camera`: the id of the camera there,
- * where it is not the one that stands in the tree at that place.
+ * "Camera 0 / detect_balls / min_area_ratio": a place of the settings in one line. `camera`: the id of the camera, if
+ * it is not the one at that index in the tree.
  */
 export function placeText(tree: Json | null, pointer: string, camera?: Json): string {
   const keys = keysOf(pointer);
@@ -215,7 +215,7 @@ export function placeText(tree: Json | null, pointer: string, camera?: Json): st
   return keys.length ? keys.join(' / ') : 'everything';
 }
 
-/** Those of a step in a line, the first ones of many. */
+/** The places of a step in one line; only the first one of many. */
 export function placesText(tree: Json | null, paths: string[]): string {
   const texts = [...new Set(paths.map((path) => placeText(tree, path)))];
   return texts.length > 2 ? `${texts[0]} and ${texts.length - 1} more` : texts.join(' and ');

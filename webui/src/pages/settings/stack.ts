@@ -3,13 +3,13 @@
 
 export interface StackItem {
   name: string;
-  /** Off: kept at its place here, not in the stack. */
+  /** Off: listed at its position here, but not in the stack. */
   isOn: boolean;
 }
 
 export const namesOf = (items: StackItem[]): string[] => items.filter(({ isOn }) => isOn).map(({ name }) => name);
 
-/** The stack in use, with the stages of the usual stack that it lacks at their places, switched off. */
+/** The stack in use, and the missing stages of the usual stack at their positions, switched off. */
 export function itemsOf(stack: string[], usual: string[]): StackItem[] {
   const items = stack.map((name): StackItem => ({ name, isOn: true }));
   usual.forEach((name, i) => {
@@ -26,14 +26,14 @@ export function moved<T>(list: T[], from: number, to: number): T[] {
   return rest;
 }
 
-/** A new stage goes before the last one that is on: nothing comes after what is sent. */
+/** Inserts a new stage before the last active one: nothing may follow the sending stage. */
 export function withAdded(items: StackItem[], name: string): StackItem[] {
   const last = items.findLastIndex(({ isOn }) => isOn);
   const at = last < 0 ? items.length : last;
   return [...items.slice(0, at), { name, isOn: true }, ...items.slice(at)];
 }
 
-/** Which item the service's refusal is about: it counts only those that are on. */
+/** The item that the service's error refers to; the service counts only active ones. */
 export function itemAt(items: StackItem[], error: string): number | null {
   const place = /\/stack\/(\d+)/.exec(error)?.[1];
   if (place === undefined) return null;

@@ -5,7 +5,7 @@ import { keysOf, valueAt, type Json } from '../../settings/pointer';
 const idOf = (camera: unknown) => valueAt(camera as Json, '/id') ?? null;
 const idsOf = (cameras: unknown) => (Array.isArray(cameras) ? cameras.map(idOf) : []);
 
-/** The ids of the cameras before a change, from those after it. */
+/** The camera ids before a change, derived from those after it. */
 function takenBack(change: SettingsChange, ids: (Json | null)[]): (Json | null)[] {
   const [list, index, key, ...rest] = keysOf(change.path);
   if (list === undefined) return idsOf(valueAt(change.before as Json, '/cameras'));
@@ -19,8 +19,8 @@ function takenBack(change: SettingsChange, ids: (Json | null)[]): (Json | null)[
 }
 
 /**
- * The id of the camera that each change of each step was about, from the steps (the newest first) and the settings
- * now: a path of the settings says only where in the list it stood then. Null: of no camera.
+ * The id of the camera that each change affected, derived from the steps (newest first) and the current settings: a
+ * path only contains the index in the list at that time. Null: no camera.
  */
 export function camerasOfSteps(settings: Json | null, steps: SettingsStep[]): Map<SettingsChange, Json | null> {
   const out = new Map<SettingsChange, Json | null>();
@@ -29,7 +29,7 @@ export function camerasOfSteps(settings: Json | null, steps: SettingsStep[]): Ma
     for (const change of [...step.changes].reverse()) {
       const before = takenBack(change, ids);
       const [list, index] = keysOf(change.path);
-      // One that was taken off the list is named as it was before.
+      // A removed camera is found in the list before the change.
       out.set(change, list === 'cameras' && index !== undefined ? (change.op === 'remove' ? before : ids)[Number(index)] ?? null : null);
       ids = before;
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stack of a camera while it is rearranged: nothing is applied before the service says that it would run.
+// The stack of a camera while it is rearranged: nothing is applied before the service confirms that it would run.
 import { computed, reactive, ref, watch } from 'vue';
 import { isEqual, valueAt } from '../../settings/pointer';
 import { checkChange, save, schema, settings } from '../../state/settings';
@@ -8,10 +8,10 @@ import { itemAt, itemsOf, namesOf, type StackItem } from './stack';
 
 interface Draft {
   items: StackItem[];
-  /** The stack that it was made of. */
+  /** The stack from which it was derived. */
   base: string[];
 }
-/** By the camera's id, so that a look at a stage's settings does not lose what is being arranged. */
+/** By camera id, so that viewing a stage's settings does not discard the draft. */
 const drafts = reactive(new Map<number, Draft>());
 
 export function useStack(camera: () => number) {
@@ -26,7 +26,7 @@ export function useStack(camera: () => number) {
   const known = computed(() => (node.value?.items?.enum ?? []).map(String));
   const draft = computed(() => {
     const one = drafts.get(id.value);
-    // One that changes nothing only knows where the stages are that are off.
+    // A draft without changes only contains the positions of inactive stages.
     const isIdle = one && isEqual(namesOf(one.items), one.base) && !isEqual(one.base, inForce.value);
     return isIdle ? undefined : one;
   });
@@ -37,7 +37,7 @@ export function useStack(camera: () => number) {
   const names = computed(() => namesOf(items.value));
   const isChanged = computed(() => !isEqual(names.value, inForce.value));
 
-  /** Somebody else changed the stack since. */
+  /** Another user changed the stack since. */
   const isStale = computed(() => isChanged.value && draft.value !== undefined && !isEqual(draft.value.base, inForce.value));
 
   type Check = { kind: 'none' } | { kind: 'checking' } | { kind: 'fine' } | { kind: 'refused'; text: string; item: number | null };
@@ -62,7 +62,7 @@ export function useStack(camera: () => number) {
       const outcome = await save([{ op: 'replace', path: pointer.value, value: namesOf(list) }]);
       const text = refusal(outcome);
       if (text) check.value = { kind: 'refused', text, item: itemAt(list, text) };
-      // What was rearranged meanwhile stays.
+      // Changes made meanwhile are kept.
       else drafts.set(of, { items: drafts.get(of)?.items ?? list, base: namesOf(list) });
       if (!text) saySaved(outcome, `Camera ${of} runs: ${namesOf(list).join(', ') || 'no stage'}`);
     },

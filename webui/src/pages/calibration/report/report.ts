@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera's calibration, ready to be printed.
+// A camera's calibration, prepared for printing.
 import type { Calibration, CalibrationRecord, CalibrationReport, CalibrationState } from '../../../api/types';
 import { clockTime, decimal } from '../../../format';
 import { figures } from '../figures';
@@ -8,7 +8,7 @@ import { lineTitle, pointTitle } from '../names';
 type Lines = CalibrationReport['lines'];
 type Points = CalibrationReport['points'];
 
-/** What was measured when the calibration in use was made; null where that was not here, or by an older service. */
+/** The record of the calibration in use; null if it was made elsewhere or by an older service. */
 export function recordInUse(state: CalibrationState): CalibrationRecord | null {
   const newest = state.history.find(({ reverted }) => reverted === null);
   return newest && JSON.stringify(newest.calibration) === JSON.stringify(state.calibration) ? newest : null;
@@ -47,7 +47,7 @@ export const modelRows = (model: Calibration): Row[] => [
 
 const list = <T>(record: CalibrationRecord | null, key: string) => (Array.isArray(record?.figures[key]) ? record.figures[key] as T : null);
 
-/** A row for each line: name, pieces found, px, mm. Null: not kept. */
+/** One row per line: name, pieces found, px, mm. Null: not recorded. */
 export const lineTable = (record: CalibrationRecord | null) => list<Lines>(record, 'lines')?.map((line) => ({
   name: lineTitle(line.name), found: `${line.patches} of ${line.expected}`, px: figures(line.rms_px) ?? NONE, mm: figures(line.rms_mm) ?? NONE,
 })) ?? null;

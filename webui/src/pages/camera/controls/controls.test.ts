@@ -4,7 +4,7 @@ import type { Control } from '../../../api/types';
 import genicam from '../../../testing/genicamControls.json';
 import { byCategory, controlTitle, findControls, isSame, isTyped, isWide, sortControls, unitOf } from './controls';
 
-/** What GET /api/cameras/0/controls says of Aravis' fake camera. */
+/** The answer of GET /api/cameras/0/controls for Aravis' fake camera. */
 const controls = genicam.controls as Control[];
 const named = (name: string) => controls.find((control) => control.name === name)!;
 const number = (changes: Partial<Control>): Control => ({ ...named('ExposureTimeAbs'), ...changes });

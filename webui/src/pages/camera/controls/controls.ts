@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is known of cameras' controls by their names: GenICam (SFNC), V4L2 and IIDC.
+// Known camera controls by name: GenICam (SFNC), V4L2 and IIDC.
 import type { Control } from '../../../api/types';
 
-/** What a field's admin turns, in the order in which he looks for it. Names in lower case without what joins words. */
+/** Controls that an admin adjusts, in the order in which they are needed. Names in lower case without separators. */
 const IMPORTANT: readonly RegExp[] = [
   /^(exposure(time(abs|raw|absolute)?|auto|mode|absolute)?|autoexposure|shutter(on|mode|value|absolute)?)$/,
   /^(auto)?gain(raw|abs|auto|automatic|selector|on|mode|value|absolute)?$/,
@@ -18,10 +18,10 @@ const IMPORTANT: readonly RegExp[] = [
 const plain = (name: string) => name.toLowerCase().replace(/[^a-z0-9]/g, '');
 const rank = ({ name }: Control) => IMPORTANT.findIndex((pattern) => pattern.test(plain(name)));
 
-/** So few that none needs to be hidden: the controls of a recording, for instance. */
+/** With this few controls none needs to be hidden, for example those of a recording. */
 const FEW = 10;
 
-/** The important ones first, in their order, then the others in the camera's. */
+/** The important controls first, in the order above, then the others in the camera's order. */
 export function sortControls(controls: readonly Control[]): { important: Control[]; others: Control[] } {
   if (controls.length <= FEW && !controls.some((control) => rank(control) >= 0)) return { important: [...controls], others: [] };
   const ranked = controls.map((control) => ({ control, at: rank(control) }));
@@ -31,14 +31,14 @@ export function sortControls(controls: readonly Control[]): { important: Control
   };
 }
 
-/** "ExposureTimeAbs" as people read it: "Exposure time abs". */
+/** "ExposureTimeAbs" as a title: "Exposure time abs". */
 export function controlTitle({ name, title }: Control): string {
   if (title) return title;
   const words = name.replaceAll('_', ' ').replace(/([a-z0-9])([A-Z])/g, '$1 $2').replace(/([A-Z])([A-Z][a-z])/g, '$1 $2').split(' ').filter(Boolean);
   return words.map((word, i) => (i > 0 && !/^[A-Z]{2,}/.test(word) && word.length > 1 ? word.toLowerCase() : word)).join(' ');
 }
 
-/** Units that the standard fixes and some cameras do not repeat. */
+/** Units that the standard fixes and some cameras omit. */
 const STANDARD_UNITS: Record<string, string> = {
   exposuretime: 'us', exposuretimeabs: 'us', acquisitionframerate: 'Hz', acquisitionframerateabs: 'Hz',
   width: 'px', height: 'px', offsetx: 'px', offsety: 'px', sensorwidth: 'px', sensorheight: 'px', widthmax: 'px', heightmax: 'px', payloadsize: 'bytes',
@@ -50,16 +50,16 @@ export function unitOf({ name, unit }: Control): string {
   return UNIT_SIGNS[own] ?? own;
 }
 
-/** A camera is opened again to change these: they are typed, not dragged. */
+/** Changing these reopens the camera, so they are typed, not dragged. */
 const LAYOUT = /^(width|height|offset[xy]|pixelformat|(binning|decimation).*|.*packetsize)$/;
 export const isTyped = ({ name }: Control) => LAYOUT.test(plain(name));
 
-/** A range over more than three decades is dragged by factors. */
+/** A range over more than three decades gets a logarithmic slider. */
 export const isWide = ({ min, max }: Control) => typeof min === 'number' && typeof max === 'number' && min > 0 && max / min > 1000;
 
 export type Value = Control['value'];
 
-/** Whether the camera has what is saved. It rounds what it is told: by less than a step, or a ten-thousandth. */
+/** Whether the camera's value is the saved one. It rounds values by less than a step, or by 1e-4 of the value. */
 export function isSame({ step }: Control, a: Value, b: Value): boolean {
   if (typeof a !== 'number' || typeof b !== 'number') return a === b;
   return Math.abs(a - b) <= Math.max((step ?? 0) * 0.99, Math.abs(b) * 1e-4);
@@ -68,7 +68,7 @@ export function isSame({ step }: Control, a: Value, b: Value): boolean {
 export type Level = Control['level'];
 const LEVELS: readonly Level[] = ['beginner', 'expert', 'guru'];
 
-/** Those up to a level in whose words the search is found. */
+/** The controls up to `level` whose texts contain all search words. */
 export function findControls(controls: readonly Control[], search: string, level: Level): Control[] {
   const wanted = search.toLowerCase().split(/\s+/).filter(Boolean);
   return controls.filter((control) => {
@@ -77,7 +77,7 @@ export function findControls(controls: readonly Control[], search: string, level
   });
 }
 
-/** In the camera's order. */
+/** Controls by category, in the camera's order. */
 export function byCategory(controls: readonly Control[]): { category: string; controls: Control[] }[] {
   const groups = new Map<string, Control[]>();
   for (const control of controls) groups.set(control.category, [...(groups.get(control.category) ?? []), control]);

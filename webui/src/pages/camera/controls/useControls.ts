@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera's own controls: as they are now, which of them are not saved, and what is on its way to the camera.
+// A camera's own controls: current values, unsaved changes, and pending requests.
 import { computed, onUnmounted, ref, shallowRef, watch } from 'vue';
 import { api, ApiError, messageOf } from '../../../api/client';
 import type { CameraStatus, Control } from '../../../api/types';
@@ -8,20 +8,20 @@ import { setOperations, pointerOf, valueAt, type Json } from '../../../settings/
 import { cameraIndex, save, settings, useSettings } from '../../../state/settings';
 import { isSame, type Value } from './controls';
 
-/** One control may change what others are or allow. They are asked for once nothing was changed for so long. */
+/** One control may change the values or limits of others, so all are requested again after this long without a change. */
 const ASK_AGAIN_MS = 400;
 
 export function useControls(camera: () => CameraStatus) {
   useSettings();
   const list = shallowRef<readonly Control[] | null>(null);
-  /** Why there is no list. */
+  /** Why the list is missing. */
   const listError = ref('');
   const errors = ref<Record<string, string>>({});
   /** Shown until the camera has answered. */
   const drafts = ref<Record<string, Value>>({});
-  /** What can only be saved, because the camera is reopened for it. */
+  /** Values that can only be saved, because the camera is reopened for them. */
   const toSave = ref<Record<string, Value>>({});
-  /** Something was set and the camera took it. */
+  /** A value was set and the camera accepted it. */
   const isApplied = ref(false);
 
   const folder = computed(() => pointerOf(['cameras', cameraIndex(camera().id), 'source', 'controls']));
@@ -50,7 +50,7 @@ export function useControls(camera: () => CameraStatus) {
     alive = false;
     clearTimeout(timer);
   });
-  // A camera that comes back may have other values; so may one that somebody else has changed.
+  // A reopened camera may have other values; so may one that another user changed.
   watch(() => camera().state, load, { immediate: true });
   watch(() => [camera().controls_unsaved, camera().reconnects].join(), loadSoon);
   watch(savedValues, (now, then) => { if (JSON.stringify(now) !== JSON.stringify(then)) loadSoon(); });
@@ -79,7 +79,7 @@ export function useControls(camera: () => CameraStatus) {
   }
 
   const valueOf = (control: Control): Value => drafts.value[control.name] ?? toSave.value[control.name] ?? control.value;
-  /** What "Revert" goes back to. */
+  /** The value that "Revert" restores. */
   const homeOf = (control: Control): Value => (control.unsaved ? control.revert_to : control.value);
   const isChanged = (control: Control): boolean => {
     if (!control.writable || control.kind === 'action') return false;
@@ -89,11 +89,11 @@ export function useControls(camera: () => CameraStatus) {
     return !isSaved && !isSame(control, value, homeOf(control));
   };
   const changed = computed(() => list.value?.filter(isChanged) ?? []);
-  /** Something is on its way to the camera. */
+  /** A save or revert is pending. */
   const isBusy = ref(false);
   const isSetting = computed(() => isBusy.value || Object.keys(drafts.value).length > 0);
 
-  /** Why saving or reverting did not work. */
+  /** Why saving or reverting failed. */
   const problem = ref('');
   async function saveOnly(controls: readonly Control[]): Promise<void> {
     const values = Object.fromEntries(controls.map((control) => [control.name, valueOf(control) as Json]));
@@ -103,7 +103,7 @@ export function useControls(camera: () => CameraStatus) {
       return setOperations(tree, folder.value, all);
     });
     problem.value = outcome.kind === 'refused' || outcome.kind === 'failed' ? outcome.text
-      : outcome.kind === 'saved' ? outcome.refused?.map((line) => `Saved, but not taken: ${line}`).join('; ') ?? ''
+      : outcome.kind === 'saved' ? outcome.refused?.map((line) => `Saved, but rejected by the camera: ${line}`).join('; ') ?? ''
       : outcome.kind === 'stale' ? `${outcome.step.who} has changed the camera's controls. Check them and save again.` : '';
     if (outcome.kind === 'saved') forget(Object.keys(values));
     await load();
@@ -140,7 +140,7 @@ export function useControls(camera: () => CameraStatus) {
       forget(changed.value.map(({ name }) => name));
       await revert();
     },
-    /** What was typed and is no value. */
+    /** The input is not a valid value. */
     refuse(name: string, text: string) { errors.value[name] = text; },
   };
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far cameras are apart, by places of the field.
+// Distances between cameras' positions, by square of the field.
 import type { AgreementTrend, FieldAgreement, FieldDifference } from '../../../api/types';
 
-/** Colours are CSS variables: a scale that all eyes can read. */
+/** Colours are CSS variables of a scale that is readable with colour blindness. */
 export const BANDS = [
   { below_mm: 2, text: 'under 2 mm', colour: '--q2' },
   { below_mm: 5, text: '2 to 5 mm', colour: '--q3' },
@@ -13,13 +13,13 @@ export const BANDS = [
 export const bandOf = (mm: number): (typeof BANDS)[number] => BANDS.find(({ below_mm }) => mm < below_mm) ?? BANDS[3];
 export const lengthOf = ({ off_x_mm, off_y_mm }: Pick<FieldDifference, 'off_x_mm' | 'off_y_mm'>): number => Math.hypot(off_x_mm, off_y_mm);
 
-/** No robot was there for so long: what was measured then may no longer hold. */
+/** After this long without a robot, what was measured then may no longer hold. */
 const OLD_S = 120;
 
 export interface Square {
   x: number;
   y: number;
-  /** The worst pair of cameras there comes first. */
+  /** The worst pair of cameras comes first. */
   pairs: FieldDifference[];
   mm: number;
   isOld: boolean;
@@ -27,7 +27,7 @@ export interface Square {
 
 const worseFirst = (a: FieldDifference, b: FieldDifference) => lengthOf(b) - lengthOf(a);
 
-/** Places with what their worst pair of cameras is apart. */
+/** Groups the differences by square, with the distance of its worst pair of cameras. */
 export function squaresOf({ differences, time }: FieldAgreement): Square[] {
   const places = new Map<string, FieldDifference[]>();
   for (const one of differences) {
@@ -53,9 +53,9 @@ export function trendPoints({ minutes, time, off_mm }: Pick<AgreementTrend, 'min
     .join(' ');
 }
 
-/** Arrows are this much longer than what they stand for. */
+/** Arrows are drawn this many times longer than the difference. */
 export const ARROW_TIMES = 40;
-/** Longer ones would hide what is beside them. */
+/** Longer arrows would hide what is beside them. */
 const ARROW_MOST_MM = 800;
 
 /** An arrow on the field, mm. */

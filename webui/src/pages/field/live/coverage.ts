@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many cameras see each place of the field.
+// The number of cameras that see each part of the field.
 import type { CameraStatus, FieldSize, Status } from '../../../api/types';
 import type { Point } from '../../../geometry/cameraModel';
 import { coverage as outlineOf } from '../../../geometry/outline';
@@ -8,7 +8,7 @@ export interface Outline { camera: number; points: Point[] }
 export interface CoverageMap {
   outlines: Outline[];
   side_mm: number;
-  /** Middles of squares. The service itself says where there is none: it knows what masks hide. */
+  /** Centres of squares. The service reports the uncovered ones, because it knows what masks hide. */
   squares: { x: number; y: number; count: number }[];
 }
 
@@ -40,7 +40,7 @@ export function coverageMap(field: FieldSize, cameras: readonly CameraStatus[], 
   return { outlines, side_mm: side, squares };
 }
 
-/** Shares of the field by the number of cameras, from 0 up: [{count, percent}]. */
+/** Percentage of the field for each number of cameras, ascending: [{count, percent}]. */
 export function sharesOf({ squares }: CoverageMap): { count: number; percent: number }[] {
   const counts = [...new Set(squares.map(({ count }) => count))].sort((a, b) => a - b);
   return counts.map((count) => ({ count, percent: (100 * squares.filter((square) => square.count === count).length) / squares.length }));

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Maps that lie on the carpet: how far cameras are apart, and how many see each place.
+// Maps on the carpet: distances between cameras' positions, and number of cameras per square.
 import { arrowOf, bandOf, type Square } from './agreement';
 import type { CoverageMap } from './coverage';
 import { arrow, label, setType, tracePoints, type Pen } from './pen';
 import { angleOn, leftOf, topOf } from './place';
 import { colourOfCamera } from './raw';
 
-/** Numbers stand where the difference wants a look. */
+/** Differences from here on are shown as a number. */
 const NUMBER_MM = 5;
 
 export function drawAgreement(pen: Pen, squares: readonly Square[], part_mm: number): void {
@@ -29,7 +29,7 @@ export function drawAgreement(pen: Pen, squares: readonly Square[], part_mm: num
       if (Math.hypot(toLeft - left, toTop - top) < 2) { ctx.moveTo(left + 1.5, top); ctx.arc(left, top, 1.5, 0, 2 * Math.PI); }
       else arrow(pen, left, top, toLeft, toTop, Math.min(4.5, 1.5 + 0.4 * Math.hypot(toLeft - left, toTop - top)));
     }
-    // Dark on light: an arrow must stand out from every colour of the scale.
+    // Dark on light: an arrow must contrast with every colour of the scale.
     ctx.lineCap = 'round';
     ctx.strokeStyle = '#fffc';
     ctx.lineWidth = 3;
@@ -39,7 +39,7 @@ export function drawAgreement(pen: Pen, squares: readonly Square[], part_mm: num
     ctx.stroke();
     ctx.lineCap = 'butt';
     if (mm < NUMBER_MM || side < 2.4 * type_px) continue;
-    // Behind the arrow, where it does not go.
+    // On the side opposite to the arrow.
     const angle = angleOn(view, Math.atan2(pairs[0]!.off_y_mm, pairs[0]!.off_x_mm));
     label(pen, mm.toFixed(0), left - 0.27 * side * Math.cos(angle), top - 0.27 * side * Math.sin(angle), '#10151a', '#fff9');
   }
@@ -57,7 +57,7 @@ export function drawCoverage(pen: Pen, { squares, side_mm }: CoverageMap): void 
     if (!count) continue;
     ctx.globalAlpha = alphaOfCount(count);
     const [left, top] = [leftOf(view, x, y) - side / 2, topOf(view, x, y) - side / 2];
-    // Whole pixels: seams between squares would look like lines of the field.
+    // Whole pixels: seams between squares would look like field lines.
     ctx.fillRect(Math.round(left), Math.round(top), Math.round(left + side) - Math.round(left), Math.round(top + side) - Math.round(top));
   }
   ctx.globalAlpha = 1;
@@ -79,10 +79,10 @@ export function drawCoverage(pen: Pen, { squares, side_mm }: CoverageMap): void 
   ctx.restore();
 }
 
-/** From one figure to the next. */
+/** Distance between two figures. */
 const FIGURE_MM = 1000;
 
-/** Outlines of cameras, and how many of them see a place, in figures: above the lines of the field. */
+/** Outlines of cameras, and the number of cameras that see a place: drawn above the field's lines. */
 export function drawCoverageFigures(pen: Pen, { outlines, squares, side_mm }: CoverageMap): void {
   const { ctx, view, palette: { colours, type_px } } = pen;
   outlines.forEach(({ camera, points }, i) => {
@@ -92,7 +92,7 @@ export function drawCoverageFigures(pen: Pen, { outlines, squares, side_mm }: Co
     ctx.strokeStyle = colours[colourOfCamera(camera)];
     ctx.lineWidth = 2;
     ctx.setLineDash([7, 5]);
-    // Outlines that lie on each other show both colours.
+    // Overlapping outlines show both colours.
     ctx.lineDashOffset = 6 * i;
     ctx.stroke();
     ctx.setLineDash([]);

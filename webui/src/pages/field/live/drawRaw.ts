@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What single cameras report, each in its colour. Rings of several cameras around one robot lie inside each other.
+// Reports of single cameras, each in its colour. Rings of several cameras around one robot are concentric.
 import type { FieldSize } from '../../../api/types';
 import { idText } from '../../../picture/marks';
 import { bandOf } from './agreement';
@@ -10,7 +10,7 @@ import { colourOfCamera, OLD_MS, type Apart, type OfCamera } from './raw';
 import { apartText } from './words';
 
 const RING_PX = 3.5;
-/** Balls of two cameras that are about this close are one. */
+/** Balls of two cameras about this close count as one. */
 const BALL_MM = 200;
 
 export function drawRaw(pen: Pen, field: FieldSize, cameras: readonly OfCamera[], differences: readonly Apart[], now: number): void {
@@ -18,7 +18,7 @@ export function drawRaw(pen: Pen, field: FieldSize, cameras: readonly OfCamera[]
   const { colours, type_px } = palette;
   const r = robotRadius(pen, field);
 
-  // Bodies first: rings of all cameras stay readable above them.
+  // Bodies first: the rings of all cameras stay readable above them.
   for (const team of ['yellow', 'blue'] as const) {
     ctx.beginPath();
     for (const { detections } of cameras) for (const one of detections.robots) if (one.team === team) robotBody(pen, one.x, one.y, one.orientation, r - 1);
@@ -33,7 +33,7 @@ export function drawRaw(pen: Pen, field: FieldSize, cameras: readonly OfCamera[]
   ctx.fillStyle = colours['--ball'];
   ctx.fill();
 
-  /** How many cameras before have a ring around it. */
+  /** Number of rings already drawn around an object. */
   const rings = new Map<string, number>();
   const place = (key: string) => {
     const before = rings.get(key) ?? 0;
@@ -48,7 +48,7 @@ export function drawRaw(pen: Pen, field: FieldSize, cameras: readonly OfCamera[]
     ctx.strokeStyle = colour;
     ctx.lineWidth = 2;
     const numbers: [left: number, top: number][] = [];
-    /** Numbers of cameras stand around what they report, one place each. */
+    /** Camera numbers are placed around what the cameras report, one position each. */
     const number = (left: number, top: number, ring: number, at_place: number) => {
       const angle = -0.8 + 1.1 * at_place;
       const away = ring + 0.65 * type_px;

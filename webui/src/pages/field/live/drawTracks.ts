@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What all cameras together make of the field: robots, the ball, where they go and where they were.
+// Draws the tracks of all cameras together: robots, the ball, where they are going and where they were.
 import type { FieldKick, FieldSize, FieldTracks, Team, TrackedBall, TrackedRobot } from '../../../api/types';
 import { idText } from '../../../picture/marks';
 import type { BallModels } from '../ballModels';
@@ -13,20 +13,20 @@ import { heightText } from './words';
 export interface Scene {
   field: FieldSize;
   tracks: FieldTracks;
-  /** How far objects are carried on from the tracks. */
+  /** How far objects are extrapolated from the tracks. */
   dt_s: number;
-  /** The tracks are late: nothing is drawn as seen. */
+  /** The tracks are late: everything is drawn as unseen. */
   isLate: boolean;
-  /** Unix time by the service's clock. */
+  /** Unix time on the service's clock. */
   time: number;
   trails: Iterable<Trail> | null;
   /** The newest first. */
   kicks: readonly FieldKick[];
-  /** null: they are not published, so no path of the ball is known. */
+  /** null: not published, so the ball's path is unknown. */
   models: BallModels | null;
 }
 
-/** An arrow reaches as far as a robot goes in this time. */
+/** An arrow is as long as the robot's path in this time. */
 export const ARROW_S = 0.4;
 const SLOWEST_MM_S = 80;
 const FAINT = 0.5;
@@ -34,13 +34,13 @@ const DASH = [4, 3];
 
 const TEAMS: readonly Team[] = ['yellow', 'blue'];
 
-/** What was: it changes so slowly that not every frame needs it again. */
+/** Draws trails and kicks, which change so slowly that not every frame needs them redrawn. */
 export function drawPast(pen: Pen, scene: Scene): void {
   drawKicks(pen, scene);
   if (scene.trails) drawTrails(pen, scene.trails, scene.time);
 }
 
-/** What is, and what comes. */
+/** Draws the current state and the prediction. */
 export function drawTracks(pen: Pen, scene: Scene): void {
   const { tracks } = scene;
   const [ball] = tracks.balls;
@@ -127,7 +127,7 @@ function traceSpeed(pen: Pen, robot: TrackedRobot, { x, y }: Pose, r: number): v
 const FADES = 4;
 const KINDS: readonly TrailKind[] = ['yellow', 'blue', 'ball'];
 
-/** Few strokes for many trails: pieces of like age and colour go together. */
+/** Few strokes for many trails: pieces of similar age and colour are drawn together. */
 function drawTrails(pen: Pen, trails: Iterable<Trail>, time: number): void {
   const { ctx, palette: { colours } } = pen;
   const all = [...trails];
@@ -181,7 +181,7 @@ function drawPath(pen: Pen, { field, tracks, dt_s, models, time }: Scene, ball: 
   ctx.stroke();
 }
 
-/** Its ring is as much wider than the ball as it is higher: pixels a metre. */
+/** Increase of the ring's radius per metre of the ball's height, pixels. */
 const RING_PX = 22;
 const SHADOW_PX = 26;
 
@@ -195,7 +195,7 @@ function drawBall(pen: Pen, { field, dt_s, isLate }: Scene, ball: TrackedBall, s
   const lift = Math.min(2, z / 1000);
   ctx.globalAlpha = seen ? 1 : FAINT;
   if (height) {
-    // The light comes from the upper left, so the shadow runs away to the lower right.
+    // The light comes from the upper left, so the shadow moves to the lower right.
     ctx.fillStyle = '#0006';
     ctx.beginPath();
     ctx.ellipse(left + 4 + SHADOW_PX * lift, top + 4 + SHADOW_PX * lift, r, 0.8 * r, 0, 0, 2 * Math.PI);
@@ -231,7 +231,7 @@ function drawBall(pen: Pen, { field, dt_s, isLate }: Scene, ball: TrackedBall, s
 
 const KICKS = 5;
 const KICK_S = 20;
-/** A mark's line is this long for each m/s. */
+/** Length of a kick's line for each m/s. */
 const KICK_MM = 130;
 
 function cross(pen: Pen, x: number, y: number, r: number): void {

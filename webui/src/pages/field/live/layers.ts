@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the live field can show.
+// The layers of the live field.
 import { ref } from 'vue';
 
 export const LAYERS = [
-  { value: 'tracked', text: 'Tracked', title: 'What the service makes of all cameras' },
-  { value: 'raw', text: 'Raw', title: 'What single cameras report' },
-  { value: 'agreement', text: 'Agreement', title: 'How far cameras are apart, by places' },
+  { value: 'tracked', text: 'Tracked', title: 'Tracks from all cameras' },
+  { value: 'raw', text: 'Raw', title: 'Detections of single cameras' },
+  { value: 'agreement', text: 'Agreement', title: 'Disagreement between cameras, by place' },
   { value: 'coverage', text: 'Coverage', title: 'How many cameras see each place' },
 ] as const;
 export type Layer = (typeof LAYERS)[number]['value'];

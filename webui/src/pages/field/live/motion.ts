@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where tracked objects are a moment later, and where the ball goes. mm, mm/s, radians, seconds.
+// Extrapolates tracked objects and predicts the ball's path. mm, mm/s, radians, seconds.
 import type { FieldKick, FieldSize, TrackedBall, TrackedRobot } from '../../../api/types';
 import type { Point } from '../../../geometry/cameraModel';
 import type { BallModels } from '../ballModels';
 
-/** Objects are carried on so far beyond the last message; then they stay where they are. */
+/** Objects are extrapolated this far beyond the last message; then they stay where they are. */
 export const CARRY_S = 0.25;
-/** Below this the service itself has not seen an object for some images. */
+/** Below this visibility, the service has not seen an object for some images. */
 const SEEN = 0.9;
 const GRAVITY_MM_S2 = 9810;
-/** A ball whose centre is this high above where it lies is in the air. */
+/** A ball whose centre is this far above its height on the floor is in the air. */
 export const FLYING_MM = 50;
 
 export const isSeen = ({ visibility }: { visibility: number }): boolean => visibility >= SEEN;
 export const speedOf = ({ vx, vy }: { vx: number; vy: number }): number => Math.hypot(vx, vy);
 
-/** How far to carry objects on that are so old. */
+/** How far to extrapolate objects of this age. */
 export const carryOf = (age_s: number): number => Math.min(CARRY_S, Math.max(0, age_s));
 
 export interface Pose { x: number; y: number; orientation: number }
@@ -30,25 +30,25 @@ export function carriedBall(ball: TrackedBall, dt_s: number, radius_mm: number):
 }
 
 export interface BallPath {
-  /** Where a flying ball comes down; null: it is on the floor. */
+  /** Where a flying ball lands; null: it is on the floor. */
   landing: Point | null;
-  /** Where it lies, or leaves what is drawn. */
+  /** Where it stops, or leaves the drawing. */
   end: Point;
-  /** It comes to rest before the edge. */
+  /** It stops before the edge. */
   stops: boolean;
 }
 
-/** Way on which a speed falls to another; endless without braking. */
+/** Distance over which the speed drops from one value to another; Infinity without braking. */
 const way = (from: number, to: number, acc: number) => (from <= to ? 0 : acc < 0 ? (from ** 2 - to ** 2) / (-2 * acc) : Infinity);
 
-/** Speeds below this are the tracker's noise. */
+/** Lower speeds are tracker noise. */
 const STILL_MM_S = 60;
-/** The speed of a kick tells for this long whether the ball still slides. */
+/** For this long, the speed of a kick determines whether the ball still slides. */
 const SLIDES_S = 3;
 
 /**
- * Where the ball goes if nothing stops it. It slides until its speed is k_switch of the kick's, then it rolls; without a
- * kick that could be its own it rolls. `time`: Unix time of the ball. Null: it lies still.
+ * Predicted path of the ball without contacts. It slides until its speed is k_switch times the kick's, then it rolls;
+ * without a matching kick it only rolls. `time`: Unix time of the ball. Null: it is at rest.
  */
 export function ballPath(ball: TrackedBall, kick: FieldKick | null, time: number, models: BallModels, field: FieldSize): BallPath | null {
   const speed = speedOf(ball);
@@ -61,7 +61,7 @@ export function ballPath(ball: TrackedBall, kick: FieldKick | null, time: number
   if (height > FLYING_MM) {
     const fall_s = (ball.vz + Math.sqrt(ball.vz ** 2 + 2 * GRAVITY_MM_S2 * height)) / GRAVITY_MM_S2;
     landing = from = { x: ball.x + fall_s * ball.vx, y: ball.y + fall_s * ball.vy };
-    // What its later hops take is small beside what the first one does.
+    // The loss of later hops is small compared with that of the first one.
     rest *= models.damping_xy_first_hop;
   }
   const isOwn = kick !== null && !kick.is_chip && landing === null && time >= kick.time && time - kick.time < SLIDES_S;
@@ -72,7 +72,7 @@ export function ballPath(ball: TrackedBall, kick: FieldKick | null, time: number
   return { landing, end: { x: from.x + reach * direction.x, y: from.y + reach * direction.y }, stops: length_mm <= edge_mm };
 }
 
-/** How far it is from a place to the edge of what is drawn; 0 from beyond. */
+/** Distance from a point to the edge of the drawing; 0 from outside. */
 function toEdge(from: Point, direction: Point, field: FieldSize): number {
   const one = (at: number, step: number, half: number) => (step > 0 ? (half - at) / step : step < 0 ? (-half - at) / step : Infinity);
   return Math.max(0, Math.min(

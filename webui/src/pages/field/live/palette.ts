@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The theme's colours and sizes as a canvas needs them.
+// The theme's colours and sizes for a canvas.
 
 const NAMES = [
   '--fld', '--fld-edge', '--fld-line', '--t1', '--t2', '--s-1', '--warn', '--ball', '--t-yellow',
@@ -9,15 +9,15 @@ export type ColourName = (typeof NAMES)[number];
 
 export interface Palette {
   colours: Record<ColourName, string>;
-  /** The design's smallest type, CSS pixels. */
+  /** Smallest type size of the design, CSS pixels. */
   type_px: number;
   font: string;
 }
 
-/** Blue is darker on robots than in lines, so that a white number can be read; as everywhere in the panel. */
+/** Blue is darker on robots than in lines, so that a white number is readable; as everywhere in the panel. */
 export const BODY = { yellow: '#ffd21f', blue: '#2c62ea' } as const;
 export const BODY_INK = { yellow: '#1c1500', blue: '#ffffff' } as const;
-/** Lines of a team, which must stand out from a dark carpet and from a pale one. */
+/** Lines of a team, which must contrast with dark and pale carpets. */
 export const TEAM_LINE = { yellow: '--g4', blue: '--g1' } as const;
 
 export function paletteOf(element: Element): Palette {

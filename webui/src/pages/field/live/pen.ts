@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What several drawings of the field share.
+// Functions shared by the drawings of the field.
 import type { FieldSize } from '../../../api/types';
 import type { Point } from '../../../geometry/cameraModel';
 import { angleOn, leftOf, topOf, type View } from './place';
@@ -25,17 +25,17 @@ export function circle({ ctx, view }: Pen, x: number, y: number, r_px: number): 
   ctx.arc(left, top, r_px, 0, 2 * Math.PI);
 }
 
-/** Robots are drawn to scale where their numbers have room; else larger, but no more than small fields of a phone can bear. */
+/** Robots are drawn to scale if their numbers fit, else larger, but not too large for small fields on a phone. */
 export function robotRadius({ view, palette: { type_px } }: Pen, field: FieldSize): number {
   const nature = field.max_robot_radius * view.scale;
   return Math.max(nature, Math.min(type_px, Math.max(0.8 * type_px, 1.8 * nature)));
 }
 export const ballRadius = ({ view }: Pen, field: FieldSize): number => Math.max(field.ball_radius * view.scale, 4.5);
 
-/** Half of the angle of the flat front. */
+/** Half of the angle of the flat front, rad. */
 export const FRONT = 0.56;
 
-/** `orientation` NaN: it is not known. */
+/** `orientation` NaN: unknown. */
 export function robotBody({ ctx, view }: Pen, x: number, y: number, orientation: number, r_px: number): void {
   const left = leftOf(view, x, y);
   const top = topOf(view, x, y);
@@ -61,7 +61,7 @@ export function arrow({ ctx }: Pen, x1: number, y1: number, x2: number, y2: numb
   }
 }
 
-/** Text that can be read on whatever is below it. */
+/** Text with a halo, readable on any background. */
 export function label({ ctx, palette }: Pen, text: string, left: number, top: number, colour: string, halo = palette.colours['--fld'], halo_px = 3.5): void {
   ctx.lineJoin = 'round';
   ctx.lineWidth = halo_px;

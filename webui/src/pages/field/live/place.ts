@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where places of the field lie on a canvas, +x to the right and +y up; on a canvas that is higher than wide, +x up.
+// Converts field to canvas coordinates: +x to the right and +y up; on a canvas that is higher than wide, +x up.
 import type { FieldSize } from '../../../api/types';
 
 export interface View {
   /** CSS pixels of the canvas. */
   width: number;
   height: number;
-  /** CSS pixels a millimetre. */
+  /** CSS pixels per millimetre. */
   scale: number;
   isUpright: boolean;
 }
 
-/** So much higher than wide is a canvas on which the field stands upright. */
+/** The field is drawn upright if the canvas is higher than this times its width. */
 const UPRIGHT = 1.15;
 
-/** The field with what is around it, as large as a canvas has room for. */
+/** Fits the field with its boundary into a canvas. */
 export function viewOf(field: FieldSize, width: number, height: number): View {
   const long = field.field_length + 2 * field.boundary_width;
   const short = field.field_width + 2 * field.boundary_width;
@@ -25,5 +25,5 @@ export function viewOf(field: FieldSize, width: number, height: number): View {
 
 export const leftOf = (view: View, x: number, y: number): number => view.width / 2 + view.scale * (view.isUpright ? -y : x);
 export const topOf = (view: View, x: number, y: number): number => view.height / 2 - view.scale * (view.isUpright ? x : y);
-/** An angle of the field as a canvas has it, clockwise from the right. */
+/** Converts an angle of the field to the canvas: clockwise from the right. */
 export const angleOn = (view: View, angle: number): number => -(view.isUpright ? angle + Math.PI / 2 : angle);

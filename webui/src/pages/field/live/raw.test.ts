@@ -18,7 +18,7 @@ it('the newest of each camera, in order, until it is a second old', () => {
 it('two cameras are compared at one moment', () => {
   const raw = new RawReports();
   raw.take(seen(0, 10, [robot({ x: 1000 }), robot({ id: 4 })]), 0, track(2000));
-  // 10 ms later it is 20 mm farther on its way; the other 3 mm the cameras do not agree on.
+  // 10 ms later it has moved by 20 mm; the cameras disagree by the other 3 mm.
   raw.take(seen(1, 10.01, [robot({ x: 1023, y: -4 }), robot({ team: 'blue', x: 1000 })]), 0, track(2000));
   expect(raw.differences(10.02)).toEqual([{ team: 'yellow', id: 0, x: 1023, y: -4, dx: expect.closeTo(3) as number, dy: -4, time: 10.01 }]);
   expect(raw.differences(12)).toEqual([]);

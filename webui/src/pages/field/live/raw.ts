@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// What single cameras report, side by side, and how far two of them are apart.
+// Reports of single cameras side by side, and the distance between two cameras' positions.
 import type { Detections, FieldTracks, Robot, Team } from '../../../api/types';
 
-/** After this long a camera's objects are old, and after this long gone. */
+/** Ages at which a camera's objects are old, and are removed. */
 export const OLD_MS = 250;
 const GONE_MS = 1000;
 /** Images farther apart in time are not compared. */
 const SAME_S = 0.1;
-/** Two cameras' reports of one robot that are farther apart are of two. */
+/** Two cameras' reports of one robot that are farther apart belong to two robots. */
 const SAME_MM = 500;
-/** A difference settles in about this time: nobody reads thirty numbers a second. */
+/** Time constant for smoothing a difference: nobody reads thirty numbers a second. */
 const SETTLE_S = 0.5;
 const FORGET_S = 0.25;
 
 export interface Apart {
   team: Team;
   id: number;
-  /** Where the robot was last. */
+  /** The last position of the robot. */
   x: number;
   y: number;
-  /** Where the second camera sees it, from where the first does. */
+  /** The second camera's position relative to the first camera's. */
   dx: number;
   dy: number;
   time: number;
@@ -33,19 +33,19 @@ export class RawReports {
   private readonly cameras = new Map<number, OfCamera>();
   private readonly apart = new Map<string, Apart>();
 
-  /** By camera, in order. `now`: as performance.now(). */
+  /** Sorted by camera. `now`: as from performance.now(). */
   of(now: number): OfCamera[] {
     for (const [camera, { at }] of this.cameras) if (now - at > GONE_MS) this.cameras.delete(camera);
     return [...this.cameras.values()].sort((a, b) => a.camera - b.camera);
   }
 
-  /** One a robot and pair of cameras. */
+  /** One per robot and pair of cameras. */
   differences(time: number): Apart[] {
     for (const [key, one] of this.apart) if (Math.abs(time - one.time) > FORGET_S) this.apart.delete(key);
     return [...this.apart.values()];
   }
 
-  /** One image's objects. What is tracked tells how far each robot went from one camera's image to the other's. */
+  /** Adds one image's objects. Tracked velocities give each robot's motion between the two cameras' images. */
   take(detections: Detections, at: number, tracks: Speeds): void {
     for (const other of this.cameras.values()) {
       if (other.camera !== detections.camera && Math.abs(other.detections.t_capture - detections.t_capture) <= SAME_S) this.compare(other.detections, detections, tracks);
@@ -81,6 +81,6 @@ export class RawReports {
 
 const isSame = (a: Robot, b: Robot) => a.team === b.team && a.id === b.id && Math.hypot(a.x - b.x, a.y - b.y) < SAME_MM;
 
-/** CSS variables of cameras' colours; more cameras begin again, and their numbers tell them apart. */
+/** CSS variables of cameras' colours; further cameras reuse them and are distinguished by their numbers. */
 const COLOURS = ['--g1', '--g2', '--g4', '--g3', '--g5', '--g6'] as const;
 export const colourOfCamera = (camera: number): (typeof COLOURS)[number] => COLOURS[camera % COLOURS.length]!;

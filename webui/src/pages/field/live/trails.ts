@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where objects have been in the last two seconds.
+// Positions of objects in the last two seconds.
 import type { FieldTracks } from '../../../api/types';
 
 export const TRAIL_S = 2;
-/** Points closer than this in time make a line no smoother: of thirty a second every other one is kept. */
+/** Points closer than this in time make a line no smoother: every other one of thirty a second is kept. */
 const STEP_S = 0.06;
-/** A line does not join what lies farther apart: the object was away, or another one took its name. */
+/** Points farther apart are not joined: the object was away, or another one took its name. */
 const GAP_S = 0.4;
 const GAP_MM = 700;
 
@@ -19,7 +19,7 @@ export class Trails {
 
   get all(): Iterable<Trail> { return this.trails.values(); }
 
-  /** What was tracked. Time that goes back is of another run of the service. */
+  /** Adds tracks. Time that goes back belongs to another run of the service. */
   add({ time, robots, balls }: FieldTracks): void {
     if (time < this.last) this.trails.clear();
     this.last = time;

@@ -5,29 +5,29 @@ import { ageOf, watchDetections, watchTracks } from '../../../state/live';
 import { RawReports } from './raw';
 import { Trails } from './trails';
 
-/** What came last. Nothing here is reactive: it is drawn sixty times a second. */
+/** The newest messages. Nothing here is reactive: it is drawn sixty times a second. */
 export interface TracksFeed {
   tracks: FieldTracks | null;
   readonly trails: Trails;
   readonly raw: RawReports;
 }
 
-/** Numbers that change more often cannot be read. */
+/** Numbers that change faster cannot be read. */
 const STEADY_MS = 500;
-/** So long the first message may take before anything is said to be missing. */
+/** Time allowed for the first message before something is reported missing. */
 const PATIENCE_MS = 1500;
 
 export interface Tracks {
   feed: TracksFeed;
   /** The tracks for numbers; null before the first. */
   steady: Readonly<ShallowRef<FieldTracks | null>>;
-  /** By the service's clock; null before anything was tracked. */
+  /** Age on the service's clock; null before anything was tracked. */
   age_s: Readonly<Ref<number | null>>;
-  /** Nothing has come yet, and there was no time for it. */
+  /** Nothing has arrived yet, within the time allowed for it. */
   isWaiting: Readonly<Ref<boolean>>;
 }
 
-/** Follows the service's tracks while the page is in sight. */
+/** Follows the service's tracks while the page is visible. */
 export function useTracks(): Tracks {
   const feed: TracksFeed = { tracks: null, trails: new Trails(), raw: new RawReports() };
   const steady = shallowRef<FieldTracks | null>(null);
@@ -49,7 +49,7 @@ export function useTracks(): Tracks {
   }
   function start(): void {
     stop();
-    // What stood there before the page was hidden is of no use.
+    // Data from before the page was hidden are outdated.
     feed.tracks = null;
     feed.trails.clear();
     feed.raw.clear();

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the live field says in words.
+// Texts of the live field.
 import type { CameraStatus, FieldKick, FieldNow, FieldTracks, Status, TrackedBall } from '../../../api/types';
 import { decimal, duration, plural } from '../../../format';
 import { fieldTitle } from '../../../geometry/fieldLines';
 import { FLYING_MM, isSeen, speedOf } from './motion';
 
-/** Tracks that are older are not live. */
+/** Older tracks are not live. */
 export const LIVE_S = 1;
 
 export const metresPerSecond = (mm_s: number): string => decimal(mm_s / 1000, 2);
@@ -13,7 +13,7 @@ export const metres = (mm: number): string => decimal(mm / 1000, 2);
 /** "1.20, −0.45" */
 export const placeText = (x: number, y: number): string => `${metres(x)}, ${metres(y)}`;
 
-/** "0.43 m" of a ball in the air; empty of one on the floor. */
+/** "0.43 m" for a ball in the air; empty for one on the floor. */
 export const heightText = (z_mm: number): string => (z_mm > FLYING_MM ? `${metres(z_mm)} m` : '');
 
 /** "3.4 mm", "12 mm" */
@@ -29,7 +29,7 @@ function ballText(ball: TrackedBall | undefined): string {
   return `the ball at ${placeText(ball.x, ball.y)} m, ${metresPerSecond(speedOf(ball))} m/s${height && `, ${height} high`}${isSeen(ball) ? '' : ', not seen now'}`;
 }
 
-/** The field in one sentence, for those who do not see it. */
+/** The field in one sentence, for screen readers. */
 export function summaryOf({ robots, balls }: Pick<FieldTracks, 'robots' | 'balls'>, field: Status['field']): string {
   const count = (team: string) => robots.filter((robot) => robot.team === team).length;
   const unseen = robots.filter((robot) => !isSeen(robot)).length;
@@ -38,7 +38,7 @@ export function summaryOf({ robots, balls }: Pick<FieldTracks, 'robots' | 'balls
 
 export interface Missing {
   text: string;
-  /** Where to fix it. */
+  /** The page where it can be fixed. */
   page?: 'camera' | 'calibration' | 'settings' | 'diagnostics' | 'overview';
   place?: string;
   action?: string;
@@ -47,7 +47,8 @@ export interface Missing {
 const isUsable = ({ state, calibration }: CameraStatus) => state === 'running' && calibration !== null;
 
 /**
- * Why nothing is tracked; null: something is. `age_s`: of the tracks, null before the first. `now`: null while it is not known.
+ * Why nothing is tracked; null: something is. `age_s`: age of the tracks, null before the first. `now`: null while
+ * unknown.
  */
 export function missing(status: Status | null, now: Pick<FieldNow, 'stages' | 'other_cameras'> | null, number: number, age_s: number | null): Missing | null {
   if (!status) return { text: 'The service cannot be reached. The panel tries again automatically.' };
@@ -62,7 +63,7 @@ export function missing(status: Status | null, now: Pick<FieldNow, 'stages' | 'o
   if (!hasOthers) {
     const { cameras } = status;
     if (!cameras.length) return { text: 'There is no camera yet.', page: 'overview', action: 'Add a camera' };
-    if (!cameras.some(({ calibration }) => calibration)) return { text: 'No camera is calibrated, so nothing has a place on the field.', page: 'calibration', action: 'Calibrate' };
+    if (!cameras.some(({ calibration }) => calibration)) return { text: 'No camera is calibrated, so nothing can be located on the field.', page: 'calibration', action: 'Calibrate' };
     if (!cameras.some(isUsable)) return { text: 'No calibrated camera sends images.', page: 'overview', action: 'Cameras' };
   }
   if (number === 0 || age_s === null) return { text: 'Nothing has been tracked yet.', page: 'diagnostics', action: 'Diagnostics' };

@@ -1,23 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where playing is: seconds since the beginning, whatever images have come.
+// The playback position: seconds since the beginning, whatever images have arrived.
 import { computed, onUnmounted, ref, watch } from 'vue';
 
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 16] as const;
 export const speeds = SPEEDS.map((value) => ({ value, text: `${value}×` }));
 
-/** A window that was hidden for longer than this goes on where it was left. */
+/** After a longer step, such as in a hidden window, playback continues where it was. */
 const LONGEST_STEP_S = 1;
 
-/** The next position after so much time, and whether the end is reached. */
+/** The next position after `elapsed_s`, and whether the end is reached. */
 export function advance(position: number, elapsed_s: number, speed: number, length: number): { position: number; isOver: boolean } {
   const step = elapsed_s > LONGEST_STEP_S ? 0 : Math.max(0, elapsed_s) * speed;
   const next = position + step;
   return next >= length ? { position: length, isOver: true } : { position: next, isOver: false };
 }
 
-/** The last of the rising times that is not after a moment; the first when all are after it; -1: there is none. */
+/**
+ * Index of the last time that is not after `time`; 0 if all are after it; -1 if there are none. `times` must be
+ * ascending.
+ */
 export function indexAt(times: readonly number[], time: number): number {
-  // A frame that was jumped to counts, whatever its last binary digit.
+  // A frame that was jumped to counts, despite rounding.
   const limit = time + 1e-6;
   let [low, high] = [0, times.length];
   while (low < high) {
@@ -28,7 +31,7 @@ export function indexAt(times: readonly number[], time: number): number {
   return times.length ? Math.max(0, low - 1) : -1;
 }
 
-/** The next time after a moment, or the one before it; null: there is none. */
+/** The next time after `time`, or the previous one; null: there is none. */
 export function neighbour(times: readonly number[], time: number, direction: 1 | -1): number | null {
   const beyond = times.filter((one) => (direction > 0 ? one > time + 1e-4 : one < time - 1e-4));
   if (!beyond.length) return null;
@@ -59,12 +62,12 @@ export function useClock(length: () => number) {
   const isAtEnd = computed(() => position.value >= length());
   return {
     position, speed, isPlaying, isAtEnd,
-    /** From the beginning when it was at the end. */
+    /** Plays or pauses; starts from the beginning if it was at the end. */
     toggle(): void {
       if (!isPlaying.value && isAtEnd.value) position.value = 0;
       isPlaying.value = !isPlaying.value;
     },
-    /** `time` stays within what there is. */
+    /** `time` is clamped to the recording. */
     seek(time: number): void { position.value = Math.min(length(), Math.max(0, time)); },
   };
 }

@@ -13,7 +13,7 @@ const difference = (changes: Partial<Difference> = {}): Difference => ({ place: 
 describe('a comparison in words', () => {
   it('says what differs', () => {
     expect(resultText(result())).toBe('In 31 of 742 frames something differs: 3 found, 40 lost, 12 moved by up to 4.1 mm.');
-    expect(resultText(result({ found: 0, moved: 0, id_changed: 2 }))).toBe('In 31 of 742 frames something differs: 40 lost, 2 with another number.');
+    expect(resultText(result({ found: 0, moved: 0, id_changed: 2 }))).toBe('In 31 of 742 frames something differs: 40 lost, 2 with a changed number.');
   });
   it('says that nothing does', () => {
     expect(resultText(result({ frames_that_differ: 0 }))).toBe('Nothing differs in 742 frames.');
@@ -23,7 +23,7 @@ describe('a comparison in words', () => {
     expect(differenceText(difference())).toBe('yellow 3 lost');
     expect(differenceText(difference({ kind: 'moved', what: 'ball', by_mm: 2.13 }))).toBe('ball moved 2.1 mm');
     expect(differenceText(difference({ kind: 'moved', by_mm: 0, by_deg: 1.4 }))).toBe('yellow 3 turned 1.4°');
-    expect(differenceText(difference({ kind: 'id' }))).toBe('yellow 3 with another number');
+    expect(differenceText(difference({ kind: 'id' }))).toBe('yellow 3 with a changed number');
   });
 });
 

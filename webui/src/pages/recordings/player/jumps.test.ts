@@ -16,7 +16,7 @@ it('jumps to the next and to the one before, of all or of a kind', () => {
   expect(jump(events, ALL, 1, 1)).toBe(2);
   expect(jump(events, 'other', 1, 1)).toBe(3);
   expect(jump(events, 'kick', 1, 1)).toBeNull();
-  // What was before the beginning is at it.
+  // Events before the beginning count as being at it.
   expect(jump(events, ALL, 0.5, -1)).toBe(0);
   expect(jump(events, ALL, 0, -1)).toBeNull();
 });

@@ -4,7 +4,7 @@ import { ahead, bestOf, Loader, MOST_AT_ONCE, widthFor, type Want } from './load
 
 const settle = () => new Promise<void>((resolve) => { setTimeout(resolve); });
 
-/** Answers when it is told to. */
+/** Answers on demand. */
 function link(limits: Record<string, number> = {}) {
   const open = new Map<string, { come: (value: string) => void; fail: (error: Error) => void }>();
   const asked: string[] = [];

@@ -1,32 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gets what is wanted now, the most important first, and never more than two things at a time. What is not wanted any
-// more is never asked for: over a slow link frames are skipped, and nothing queues up.
+// Loads what is wanted now, the most important first, at most two at a time. Outdated wants are dropped: over a slow
+// link frames are skipped, and nothing queues up.
 import { indexAt } from './clock';
 
 export interface Want<T> {
   key: string;
   ask: () => Promise<T>;
-  /** How many of the same kind are kept. */
+  /** Decides how many results are kept; see `limits`. */
   kind: string;
 }
 
 export const MOST_AT_ONCE = 2;
-/** After a failure the same thing is not asked for again for so long. */
+/** A failed request is repeated only after this pause. */
 const PAUSE_MS = 1500;
-/** How much a new measurement counts. */
+/** Weight of a new measurement. */
 const SMOOTH = 0.3;
 
 export class Loader {
-  /** By key; the one that was used longest ago comes first. */
+  /** By key, least recently used first. */
   private readonly kept = new Map<string, { kind: string; value: unknown }>();
   private readonly onTheWay = new Set<string>();
   private readonly failedAt = new Map<string, number>();
   private wanted: readonly Want<unknown>[] = [];
   private isOver = false;
-  /** How long an answer takes, about. */
+  /** Approximate duration of a request. */
   seconds = 0.02;
 
-  /** `limits`: how much of each kind is kept. `changed` is called with each answer, `failed` with each refusal. */
+  /** `limits`: number of results kept per kind. `changed` is called for each answer, `failed` for each error. */
   constructor(private readonly limits: Readonly<Record<string, number>>, private readonly changed: () => void, private readonly failed: (error: unknown) => void) {}
 
   get<T>(key: string): T | undefined {
@@ -39,7 +39,7 @@ export class Loader {
   has(key: string): boolean { return this.kept.has(key); }
   get busy(): number { return this.onTheWay.size; }
 
-  /** In the place of what was wanted before. */
+  /** Replaces the previous wants. */
   want(list: readonly Want<unknown>[]): void {
     this.wanted = list;
     this.pump();
@@ -85,15 +85,15 @@ export class Loader {
   }
 }
 
-/** How wide an image to ask for: over a slow link a smaller one while it moves, a sharp one when it stands still. */
+/** Image width to request: over a slow link smaller while it moves, sharp when it stands still. */
 export function widthFor(sharp: number, load_s: number, moves: boolean): number {
   if (!moves || load_s < 0.2) return sharp;
   return Math.min(sharp, Math.max(240, Math.round(sharp / (load_s < 0.5 ? 2 : 4))));
 }
 
 /**
- * What comes next, to be there in time: places along `times`, nearest first. Playing goes on by what passes while one
- * image comes; while it stands still, its neighbours are what somebody steps to.
+ * What to load ahead: indices of `times`, nearest first. While playing, they are one loading time of an image apart;
+ * while paused, they are the neighbours to which the user may step.
  */
 export function ahead(times: readonly number[], position: number, speed: number, load_s: number, isPlaying: boolean): number[] {
   const here = indexAt(times, position);
@@ -108,11 +108,11 @@ export function ahead(times: readonly number[], position: number, speed: number,
   return out;
 }
 
-/** How far back an image may be that stands for the present one while the link is slow. */
+/** How far back an image may be that replaces the current one over a slow link. */
 const LEAST_BACK_S = 0.5;
 /**
- * The image to show: the one of this moment if it is there; while playing else the newest before it that is, but not what
- * was seen long ago. -1: the last one stays.
+ * Index of the image to show: the current one if it is loaded; while playing, else the newest loaded one before it that
+ * is not too old. -1: keep the last one.
  */
 export function bestOf(times: readonly number[], position: number, speed: number, load_s: number, isPlaying: boolean, isThere: (i: number) => boolean): number {
   const here = indexAt(times, position);

@@ -3,7 +3,7 @@
 import type { ClipEvent, ClipFrame } from '../../../api/types';
 
 type Seen = Pick<ClipFrame, 'time_s' | 'camera' | 'robots'>;
-/** A robot without a number cannot be told from others. */
+/** Robots without a number cannot be distinguished. */
 const keysOf = ({ robots }: Seen) => new Set(robots.filter(({ id }) => id !== null).map(({ team, id }) => `${team} ${id}`));
 
 /** "Camera 0 loses yellow 3" */
@@ -13,12 +13,12 @@ export function lostBetween(before: Seen, after: Seen): ClipEvent[] {
     .map((key) => ({ time_s: after.time_s, kind: 'lost', text: `Camera ${after.camera} loses ${key}` }));
 }
 
-/** Grows with the frames that become known, in whatever order they come. */
+/** Collects frames in any order and finds the robots that were lost. */
 export class LostRobots {
   private readonly known = new Map<number, Seen>();
   private readonly pairs = new Map<number, ClipEvent[]>();
 
-  /** `index`: among the camera's frames. Says whether there is news. */
+  /** `index`: among the camera's frames. Returns whether there are new events. */
   take(index: number, frame: Seen): boolean {
     if (this.known.has(index)) return false;
     this.known.set(index, { time_s: frame.time_s, camera: frame.camera, robots: frame.robots });

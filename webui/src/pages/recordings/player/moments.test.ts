@@ -18,7 +18,7 @@ it('takes a log’s moment as cameras and tracks', () => {
   const [one] = camerasOfLog(moment());
   expect(one!.at).toBeCloseTo(-100);
   expect(camerasAt([{ camera: 3, number: 9, time_s: 1, width: 1, height: 1, robots: [{ ...robot(), id: null, orientation: null }], balls: [] }], 1)[0]!.detections.robots[0]).toMatchObject({ id: -1, orientation: NaN });
-  // A robot whose heading nobody knows has none.
+  // A robot with an unknown heading is drawn without one.
   expect(one!.detections.robots[0]!.orientation).toBeNaN();
   expect(tracksOfLog(moment())).toBeNull();
   const tracks = tracksOfLog(moment({ tracked: { robots: [{ team: 'yellow', id: 4, x: 0, y: 0, orientation: 1, vx: 2, vy: 3 }], ball: { x: 5, y: 6, z: 7, vx: 8, vy: 9 } } }))!;

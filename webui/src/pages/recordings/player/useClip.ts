@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A clip that is played: which of its images is shown, and what all cameras saw then.
+// Playback of a clip: which image is shown, and what all cameras saw at that moment.
 import { computed, onMounted, onUnmounted, ref, shallowRef, watch, type ShallowRef } from 'vue';
 import { api, ApiError, messageOf } from '../../../api/client';
 import type { ClipCamera, ClipFrame, ClipFrames } from '../../../api/types';
@@ -9,7 +9,7 @@ import { indexAt, useClock } from './clock';
 import { ahead, bestOf, Loader, widthFor, type Want } from './loader';
 import { LostRobots } from './lost';
 
-/** Images as they came; decoded they would take fifty times as much. */
+/** Images are kept as JPEG: decoded they would need fifty times the memory. */
 const LIMITS = { image: 300, objects: 4000 };
 const RETRY_MS = 2000;
 const RATE_MS = 1000;
@@ -25,24 +25,24 @@ export interface ShownFrame {
 export function useClip(name: string, first: number | null) {
   const path = clipPath(name);
   const clip = shallowRef<ClipFrames | null>(null);
-  /** Why there is nothing to play, or nothing new comes. */
+  /** Why nothing can be played, or nothing new arrives. */
   const trouble = ref('');
   const isGone = ref(false);
   const length = computed(() => Math.max(0.001, clip.value?.seconds ?? 0.001));
   const clock = useClock(() => length.value);
   const cameraId = ref(first);
   const camera = computed<ClipCamera | null>(() => clip.value?.cameras.find(({ id }) => id === cameraId.value) ?? clip.value?.cameras[0] ?? null);
-  /** JPEG width that is as sharp as what is shown; 0: nothing is shown yet. */
+  /** JPEG width that is sharp at the displayed size; 0: nothing is displayed yet. */
   const sharp = ref(0);
   const isDragging = ref(false);
 
   const shown: ShallowRef<ShownFrame | null> = shallowRef(null);
-  /** Grows with each answer, for what is computed from answers. */
+  /** Increases with each answer, for values computed from answers. */
   const version = ref(0);
   const lost = new Map<number, LostRobots>();
-  /** Grows with news about lost robots. */
+  /** Increases when lost robots are found. */
   const lostVersion = ref(0);
-  /** Only the chosen camera's, as of the others not every frame is asked for. */
+  /** Only for the selected camera, because not every frame of the others is requested. */
   const lostEvents = computed<TimedEvent[]>(() => {
     void lostVersion.value;
     return camera.value ? lost.get(camera.value.id)?.events ?? [] : [];
@@ -58,7 +58,7 @@ export function useClip(name: string, first: number | null) {
   const wantObjects = (place: number): Want<ClipFrame> => ({ key: objectsKey(place), kind: 'objects', ask: () => api.get<ClipFrame>(`${path}/frames/${place}`) });
   const isThere = (one: ClipCamera) => (i: number) => loader.has(imageKey(one.places[i]!)) && loader.has(objectsKey(one.places[i]!));
 
-  /** What is wanted now, the most important first. */
+  /** Requests what is wanted now, the most important first. */
   function plan(): void {
     const [all, mine] = [clip.value, camera.value];
     if (!all || !mine || !mine.places.length || !sharp.value || !alive) return;
@@ -73,7 +73,7 @@ export function useClip(name: string, first: number | null) {
         if (other !== mine && i >= 0) wants.push(wantObjects(other.places[i]!));
       }
     };
-    // What was made small for a slow link is asked for again when it stands still.
+    // When paused, an image that was loaded small for a slow link is requested again, sharp.
     const place = mine.places[here]!;
     const kept = loader.get<Jpeg>(imageKey(place));
     if (kept && !isPlaying && !isDragging.value && kept.width < width) wants.push({ ...wantImage(place, width), key: `${imageKey(place)} sharp` });
@@ -84,7 +84,7 @@ export function useClip(name: string, first: number | null) {
         add(i);
         addOthers(mine.times_s[i]!);
       }
-      // Nothing else is to be done: which robots vanish is found frame by frame.
+      // Nothing else to load: searches for lost robots frame by frame.
       const known = lost.get(mine.id);
       for (let k = 0; k < mine.places.length; k++) {
         const i = (here + k) % mine.places.length;
@@ -96,7 +96,7 @@ export function useClip(name: string, first: number | null) {
     loader.want(wants);
   }
 
-  /** A frame's images are decoded one at a time; what has come meanwhile is looked at again. */
+  /** Images are decoded one at a time; after each one, show() checks for a newer one. */
   let isDecoding = false;
   async function show(): Promise<void> {
     const mine = camera.value;
@@ -126,7 +126,7 @@ export function useClip(name: string, first: number | null) {
     for (const one of clip.value?.cameras ?? []) {
       let known = lost.get(one.id);
       if (!known) lost.set(one.id, known = new LostRobots());
-      // Only what came since is new; the service asks for few, so this stays short.
+      // Only frames that arrived since are processed; few are requested at a time, so this stays short.
       for (const i of fresh(one)) if (known.take(i, loader.get<ClipFrame>(objectsKey(one.places[i]!))!)) isNews = true;
     }
     if (isNews) lostVersion.value++;
@@ -134,7 +134,7 @@ export function useClip(name: string, first: number | null) {
     void show();
     plan();
   }
-  /** Frames that were asked for and are there, but not looked at yet: near the position, and those one after the other. */
+  /** Indices of frames that are loaded but not processed yet. */
   function fresh(one: ClipCamera): number[] {
     const known = lost.get(one.id)!;
     const out: number[] = [];
@@ -176,7 +176,7 @@ export function useClip(name: string, first: number | null) {
     shown.value = null;
   }, { flush: 'sync' });
 
-  /** Images a second that are really shown, for the last second of playing. */
+  /** Images per second that are really shown, over the last second of playing. */
   const rate = ref(0);
   let moments: number[] = [];
   let timer = 0;
@@ -200,7 +200,7 @@ export function useClip(name: string, first: number | null) {
     shown.value?.picture.close();
   });
 
-  /** What each camera saw at the moment that is shown. */
+  /** What each camera saw at the moment shown. */
   const seen = computed<ClipFrame[]>(() => {
     void version.value;
     const [all, now] = [clip.value, shown.value];
@@ -216,7 +216,7 @@ export function useClip(name: string, first: number | null) {
   const ownEvents = computed<TimedEvent[]>(() => inOrder(clip.value?.events ?? []));
   return {
     clip, camera, cameraId, trouble, isGone, length, clock, shown, seen, sharp, isDragging, rate, lostEvents, ownEvents,
-    /** The image of the present moment is on its way. */
+    /** The image of the current position is still loading. */
     isLate: computed(() => {
       const one = camera.value;
       return one !== null && !clock.isPlaying.value && shown.value?.index !== indexAt(one.times_s, clock.position.value);
@@ -228,7 +228,7 @@ export function useClip(name: string, first: number | null) {
       const here = indexAt(one.times_s, clock.position.value);
       clock.seek(one.times_s[Math.min(one.places.length - 1, Math.max(0, here + by))]!);
     },
-    /** To a frame of the chosen camera. */
+    /** Seeks to a frame of the selected camera. */
     goTo(place: number): void {
       const one = camera.value;
       const i = one?.places.indexOf(place) ?? -1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The comparison that the service works on or did last; it has one at a time.
+// The service's current or last comparison; it runs one at a time.
 import { computed, onUnmounted, ref, shallowRef } from 'vue';
 import { api, messageOf } from '../../../api/client';
 import type { Comparison, CompareWith } from '../../../api/types';
@@ -20,7 +20,7 @@ export function useCompare(clip: string) {
       if (!alive) return;
       comparison.value = answer;
     } catch {
-      // The page says so where frames fail, too; what runs is asked for again.
+      // The page reports failures where frames fail, too; a running comparison is polled again.
     }
     wait();
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A match log that is played: what was known at each moment.
+// Playback of a match log: the known state at each moment.
 import { computed, onMounted, onUnmounted, ref, shallowRef, watch } from 'vue';
 import { api, ApiError, messageOf } from '../../../api/client';
 import type { LogMoment, MatchLogEvents } from '../../../api/types';
@@ -9,7 +9,7 @@ import { indexAt, useClock } from './clock';
 import { bestOf, Loader, type Want } from './loader';
 
 const LIMITS = { moment: 300 };
-/** Moments are asked for so far apart: as often as cameras see, about, and the same ones again when it is played again. */
+/** Spacing of the requested moments: about the cameras' rate, and the same moments when it is played again. */
 export const STEP_S = 0.04;
 const RETRY_MS = 2000;
 
@@ -44,7 +44,7 @@ export function useLog(name: string) {
   }
   function show(): void {
     const here = tickOf(clock.position.value);
-    // The ticks before, as far back as any may stand for the present one.
+    // The earlier ticks, as far back as one may replace the current one.
     const first = Math.max(0, here - 200);
     const ticks = Array.from({ length: here - first + 1 }, (_, i) => first + i);
     const i = bestOf(ticks.map((tick) => tick * STEP_S), here * STEP_S, clock.speed.value, loader.seconds, clock.isPlaying.value, (k) => loader.has(keyOf(ticks[k]!)));
@@ -92,7 +92,7 @@ export function useLog(name: string) {
       clock.isPlaying.value = false;
       clock.seek((tickOf(clock.position.value) + by) * STEP_S);
     },
-    /** The last event before now; -1: none. */
+    /** Index of the last event before the current position; -1: none. */
     current: computed(() => {
       const times = ordered.value.map(({ time_s }) => time_s);
       const i = indexAt(times, clock.position.value);
