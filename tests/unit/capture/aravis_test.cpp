@@ -201,8 +201,11 @@ TEST_F(Gige, ForgedPacketsShowNothingAndEndNothing) {
   const auto trailer = [&](std::uint32_t id) { return gvsp_extended_packet(GvspKind::kTrailer, frame, id); };
 
   // Leaders that claim the buffer's size or more, without payload.
-  send({leader(gvsp_multipart_leader({{320, 240, kBytes}}), 1), trailer(1)});
-  EXPECT_TRUE(was_refused);
+  // On a busy computer, the library sometimes drops such a frame before it is an image.
+  EXPECT_TRUE(test::becomes([&] {
+    send({leader(gvsp_multipart_leader({{320, 240, kBytes}}), 1), trailer(1)});
+    return was_refused || HasFatalFailure();
+  }));
   send({leader(gvsp_multipart_leader({{700, 700, 490'000}}), 1), trailer(1)});
   send({leader(gvsp_multipart_leader({{16384, 16384, 1U << 28}}), 1), trailer(1)});
   send({leader(gvsp_multipart_leader({{2, 2, kBytes}}), 1), trailer(1)});
