@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arguments, signals, exit code; nothing else.
+// Handles only arguments, signals and the exit code.
 #include "base/kept_files.h"
 #include "base/left_behind.h"
 #include "base/log.h"
@@ -88,15 +88,14 @@ sigset_t own_signals() {
 }
 
 /// The service handles its signals in one place. They are blocked from the program's first instruction on,
-/// before the libraries initialise and before any thread starts, so that none can kill the process at any
-/// moment.
+/// before the libraries initialise and before any thread starts, so that no signal can kill the process.
 void block_own_signals() {
   const sigset_t signals = own_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 }
 [[gnu::section(".preinit_array"), gnu::used]] void (*const kBeforeAll)() = block_own_signals;
 
-/// Runs that are not the service end on signals like other programs.
+/// If the program does not run as the service, signals end it as usual.
 void unblock_own_signals() {
   const sigset_t signals = own_signals();
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
@@ -139,8 +138,8 @@ class Reload {
   std::thread thread_;
 };
 
-/// A disk or a driver that hangs would keep the service from ending until its manager aborts it, which looks
-/// like a crash: the service exits before that. A person at a terminal may wait.
+/// A hanging disk or driver would prevent the service from ending until its manager aborts it, which looks
+/// like a crash. So the service exits earlier, except at a terminal.
 void end_in_time() {
   constexpr unsigned kLongest_s = 4;  // systemd/ssl-visiond.service: TimeoutStopSec
   if (std::getenv("NOTIFY_SOCKET") == nullptr) return;

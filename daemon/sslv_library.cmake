@@ -3,20 +3,20 @@
 #
 #   sslv_library(NAME SOURCES file... [ALONE file...] [LINKS library...] [PRIVATE_LINKS library...])
 #
-# LINKS are also linked to whatever links NAME. The files of a library are compiled in batches: half of a file's time
-# goes into headers and templates (JSON, formats, Eigen, sockets) that a batch pays for once. So a library's files
-# agree about the names in their unnamed namespaces. ALONE: files that are not batched, because they
+# LINKS are also linked to every target that links NAME. A library's files are compiled in batches, because half of a
+# file's compile time is headers and templates (JSON, formats, Eigen, sockets), which a batch compiles once. So names in
+# unnamed namespaces must be unique within a library. ALONE: files that are not batched, because they
 # #include themselves, as Highway's do, or have their own compile options (CMake excludes those automatically).
 #
-# A change compiles its whole batch. To work in one room, configure with -DSSLV_BATCH_SIZE=1. ./run lint does so too,
-# and finds files that do not include what they need.
+# A change recompiles its whole batch. To work on one library, configure with -DSSLV_BATCH_SIZE=1. ./run lint does so,
+# too, to find files that do not include what they need.
 set(SSLV_BATCH_SIZE 24 CACHE STRING "Files that are compiled together; 1: each alone")
 
 function(sslv_batches target)
   if(SSLV_BATCH_SIZE GREATER 1)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${SSLV_BATCH_SIZE})
     if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-      # It takes the files of a batch for headers.
+      # GCC treats the files of a batch as headers.
       target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
     endif()
   endif()

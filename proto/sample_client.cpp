@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Prints what the vision sends, or with --tracks the tracks of robots and balls. Copy it into your team's
-// software; README.md says how to build it alone.
+// Prints the vision's packets, or with --tracks the tracks of robots and balls. Copy it into your team's
+// software; README.md describes how to build it separately.
 #include "ssl_vision_wrapper.pb.h"
 #include "ssl_vision_wrapper_tracked.pb.h"
 
@@ -36,8 +36,8 @@ static unsigned parse_number(const std::string& text, unsigned long max) {
   return static_cast<unsigned>(value);
 }
 
-/// A socket that receives what is sent to the group through the network card that has the address
-/// `interface`; or to a broadcast address, through whichever card.
+/// Opens a socket that receives packets to the group on the network card with the address `interface`. If
+/// `group` is a broadcast address, receives on all cards.
 static int join(in_addr group, unsigned port, in_addr interface) {
   const int fd = socket(AF_INET, SOCK_DGRAM, 0);
   const int yes = 1;  // so that several programs on one computer can listen
@@ -47,7 +47,7 @@ static int join(in_addr group, unsigned port, in_addr interface) {
   sockaddr_in local{};
   local.sin_family = AF_INET;
   local.sin_port = htons(static_cast<in_port_t>(port));
-  local.sin_addr = group;  // rather than any address, which lets in other groups on the same port
+  local.sin_addr = group;  // not INADDR_ANY, which would also receive other groups on this port
   if (bind(fd, reinterpret_cast<const sockaddr*>(&local), sizeof local) != 0) {
     fail(std::string("cannot listen to the group: ") + std::strerror(errno));
   }
@@ -78,7 +78,7 @@ static void print_detection(const SSL_DetectionFrame& frame) {
   if (frame.frame_number() > camera.last_frame) camera.lost += frame.frame_number() - camera.last_frame - 1;
   camera.last_frame = frame.frame_number();
 
-  // Right only when the clocks of both computers agree.
+  // Correct only if the clocks of both computers agree.
   const double now =
       std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
   std::printf("camera %u  frame %u  age %.2f ms  since sent %.2f ms  lost %u\n", frame.camera_id(),
@@ -103,8 +103,8 @@ static void print_geometry(const SSL_GeometryData& geometry) {
   }
 }
 
-/// Metres, m/s. `timestamp` is the moment that it is all true for: with that and the velocities, a team
-/// predicts to when its own commands arrive.
+/// Metres, m/s. All values are valid at the time `timestamp`. A team uses the velocities to predict them to
+/// the time at which its own commands arrive.
 static void print_tracks(const TrackerWrapperPacket& packet) {
   const TrackedFrame& frame = packet.tracked_frame();
   const double now =

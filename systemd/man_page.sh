@@ -5,7 +5,7 @@
 set -eu
 page=$(realpath "$2") version=$3 section=$4
 
-# Runs a copy: beside its sources, a program names their folders in its help.
+# Runs a copy: in its build folder, a program prints the source folders in its help.
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cp "$1" "$folder"
@@ -38,7 +38,7 @@ cat >"page" <<TXT
 if [ "\$1" = --help ]; then cat "$folder/help"; else echo "$name $version"; fi
 TXT
 chmod +x page
-# Without the date, so that the same sources give the same page.
+# Removes the date, so that the same sources give the same page.
 title=$(echo "$name" | tr '[:lower:]' '[:upper:]')
 LC_ALL=C.UTF-8 help2man --no-info --section "$section" --manual ssl-visiond --source "ssl-visiond $version" \
   --include "$page" ./page | sed -E -e "s/^\.TH [^ ]+ (\"[0-9]\") \"[^\"]*\"/.TH $title \1 \"\"/" -e 's/^\.SS "(.*):"$/.SS "\1"/'

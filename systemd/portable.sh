@@ -19,8 +19,8 @@ chroot "$root" env DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 \
   apt-get -q -y --no-install-recommends install /package.deb >"$folder/install.log" 2>&1 ||
   { tail -n 5 "$folder/install.log" >&2; exit 1; }
 
-# A user only while it runs: the host has no package that could create one. What the host does not know or let in is
-# left out: the slice and the limits that a script raises as root.
+# Its user exists only while it runs: the host has no package that could create one. Without the package, the host also
+# lacks the slice and the script that raises limits as root, so the unit must not use them.
 sed -i -e '/^# Runs as root, unlike the service/d; /^ExecStartPre=/d' \
   -e 's/^User=ssl-visiond$/DynamicUser=yes\nUser=ssl-visiond\nSupplementaryGroups=video/; /^Group=/d' \
   -e '/^# Its slice gets/d; s/^Slice=.*/CPUWeight=1000\nIOWeight=1000/' \
@@ -28,11 +28,11 @@ sed -i -e '/^# Runs as root, unlike the service/d; /^ExecStartPre=/d' \
 printf 'PORTABLE_PREFIXES=ssl-visiond\nIMAGE_ID=ssl-visiond\nIMAGE_VERSION=%s\n' \
   "$(dpkg-deb -f "$package" Version)" >>"$root/usr/lib/os-release"
 
-# The image is read-only, so what systemd mounts needs a place in it.
+# The image is read-only, so it must contain the mount points that systemd needs.
 mkdir -p "$root"/{dev,proc,sys,run,tmp,var/tmp,var/lib/private,var/lib/ssl-visiond,usr/local/lib/ssl-visiond}
 rm -f "$root"/etc/{machine-id,resolv.conf} && touch "$root"/etc/{machine-id,resolv.conf}
 
-# Not needed to run: what installs packages, and texts other than licences.
+# Removes package management and texts other than licences.
 (cd "$root" && rm -rf package.deb {boot,home,media,mnt,root,srv}/* var/{cache,log,lib/apt}/* etc/apt/* \
   usr/share/{doc-base,info,locale,man,lintian,bash-completion,zsh,fish})
 find "$root/usr/share/doc" -type f ! -name copyright ! -path '*/doc/ssl-visiond/*' -delete
@@ -43,7 +43,7 @@ rm -rf "$root" "$folder"/*.log
 
 cat >"$folder/ssl-visionctl" <<'SH'
 #!/bin/sh
-# ssl-visionctl of the attached image; as root.
+# Runs ssl-visionctl of the attached image. Needs root.
 exec systemd-run --quiet --collect --wait --pipe --service-type=exec --working-directory=/ \
   --property=RootImage=/var/lib/portables/ssl-visiond.raw --property=MountAPIVFS=yes \
   --property=BindPaths=/var/lib/private/ssl-visiond:/var/lib/ssl-visiond /usr/bin/ssl-visionctl "$@"
@@ -59,9 +59,9 @@ ssl-visiond as a portable service
 The panel: http://127.0.0.1:8090. Other computers reach it once it has a password: sudo ./ssl-visionctl passwd
 
 Detach       sudo systemctl disable --now ssl-visiond; sudo portablectl detach ssl-visiond
-Upgrade      detach, then as above with the new image
+Upgrade      detach, then copy and attach the new image
 Remove       detach; sudo rm -r /var/lib/private/ssl-visiond /var/lib/portables/ssl-visiond.raw
-Settings     /etc/ssl-visiond/settings.json of this computer; without this file, the panel's
+Settings     /etc/ssl-visiond/settings.json of this computer; without this file, those of the image and the panel
 Stages       /usr/local/lib/ssl-visiond/stages and stages-apart of this computer
 
 A package would also install:

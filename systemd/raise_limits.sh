@@ -1,12 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# raise_limits.sh [ROOT]: run by the unit as root before the service. Raises two kernel limits for cameras. It never
-# lowers a value, whether an admin set it in a file, on the kernel's command line or by hand, and does not touch a
-# limit that a file or the command line sets.
+# raise_limits.sh [ROOT]: raises two kernel limits for cameras; the unit runs it as root before the service. It never
+# lowers a limit, and does not change one that a file or the kernel's command line sets.
 set -u
 root=${1:-}
 
-# is_said PATTERN PLACE...: true if one of the files has a line with it outside a comment.
+# is_said PATTERN PLACE...: true if PATTERN occurs outside a comment in one of these files.
 is_said() {
   said=$1
   shift
@@ -25,8 +24,8 @@ raise() {
   fi
 }
 
-# GigE cameras: as much as socket_buffer_bytes requests. The service itself receives through a packet socket, which
-# needs none of it; this is for programs started by hand, without CAP_NET_RAW.
+# GigE cameras: as much as socket_buffer_bytes requests. The service itself receives through a packet socket, to which
+# this limit does not apply; programs that are started by hand, without CAP_NET_RAW, need it.
 is_said 'net[./]core[./]rmem_max' /etc/sysctl.conf /etc/sysctl.d /run/sysctl.d /usr/local/lib/sysctl.d \
   /usr/lib/sysctl.d /proc/cmdline || raise /proc/sys/net/core/rmem_max 4194304
 

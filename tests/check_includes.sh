@@ -47,8 +47,8 @@ rules='
 '
 engines='base image clips geometry tracking calibration vision colors capture pipeline kit net recording settings health proto'
 
-# "top" is daemon/ itself: main and the composition root. Nothing includes top or ctl. An engine includes no service; a
-# service includes another only through the headers listed here, its small interfaces.
+# "top" is daemon/ itself: main and the composition root. Nothing includes top or ctl. An engine includes no service. A
+# service includes only those headers of other services that are listed here: their small interfaces.
 grep -rnE --include='*.h' --include='*.cpp' --include='*.h.in' '^[[:space:]]*#[[:space:]]*include[[:space:]]*"' . |
   awk -v rules="$rules" -v engines="$engines" '
     function folder_of(path) {

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# entry.sh FILE COMMAND...: runs a ctest entry and writes its CPU time in s to FILE. The entry gets its own session: the
-# kernel then shares processors among entries instead of threads, so that the idle-class threads that a test waits for
-# also get a share (sched_autogroup).
+# entry.sh FILE COMMAND...: runs a ctest entry and writes its CPU time in s to FILE. The entry runs in its own session:
+# the kernel then shares processors among entries instead of threads (sched_autogroup), so that idle-class threads,
+# for which some tests wait, also run.
 code=0
 mkdir -p "${1%/*}"  # the command may write its results there, too
 setsid --wait "${@:2}" || code=$?

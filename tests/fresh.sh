@@ -4,7 +4,7 @@
 # image of each camera, then `./run test`. Prints a Markdown table: minutes, packages, failures. FOLDER keeps the bare
 # system, its packages and the logs. Needs root and debootstrap, but no systemd.
 # The clone has no history, its path has a space, its user has an empty home and no compiler cache.
-# Exit code: the tests'; 64: wrong arguments; 77: such a system cannot be made here.
+# Exit code: the tests'; 64: wrong arguments; 77: a bare system cannot be made here.
 set -euo pipefail
 
 # --inside SYSTEM ARCHIVES HOME COMMAND...: the part of `enter` that runs inside the new namespaces.
@@ -58,7 +58,7 @@ mkdir -p "$system$home"
 git clone -q --depth 1 "file://$sources" "$system$home/ssl-visiond"
 chroot "$system" dpkg-query -W -f '${Package}\n' | sort >"$logs/packages.before"
 
-# enter COMMAND...: runs it in the clone; leaves no mount and no process behind.
+# enter COMMAND...: runs COMMAND in the clone; leaves no mount and no process behind.
 enter() {
   unshare --mount --pid --fork --kill-child --propagation private \
     "$self" --inside "$PWD/$system" "$PWD/archives-$release" "$home" "$@"
@@ -83,7 +83,7 @@ until (get /api/cameras/0/snapshot.jpg) && (get /api/cameras/1/snapshot.jpg); do
   sleep 1
 done
 first_image=$EPOCHSECONDS
-# unshare itself handles no signals: the service is its child, in the demo's place.
+# unshare does not forward signals, so this signals its child, which is the service: the demo's shell execs it.
 kill "$(pgrep -P "$(pgrep -P "$demo" -x unshare)")"
 wait "$demo" || true
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Are the images in docs/images up to date? Those of a page of the panel must be newer than its sources, and each image
-// must be shown somewhere. Exit code 1: they are not.
+// Checks docs/images: the screenshots of each page of the panel must be newer than its sources, and each image must be
+// shown in README.md or docs. Exit code 1 if not.
 import { createHash } from 'node:crypto';
 import { readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
@@ -10,7 +10,7 @@ const root = fileURLToPath(new URL('..', import.meta.url));
 const pages = join(root, 'webui/src/pages');
 const filesIn = (folder, ending) => readdirSync(join(root, folder), { recursive: true }).filter((file) => ending.test(file)).sort().map((file) => join(folder, file));
 
-/** For each page of the panel, the sum of its sources when its images were made. */
+/** For each page of the panel, the hash of its sources when its images were made. */
 export const sumsFile = join(root, 'docs/images/pages.json');
 export const readSums = () => JSON.parse(readFileSync(sumsFile, 'utf8'));
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # installed_programs.sh FOLDER PACKAGE...: fills FOLDER with links to all programs of a bare Debian with these packages
-# and their dependencies installed. Used as PATH, it reveals programs that a test needs but no package provides.
+# and their dependencies installed. With FOLDER as PATH, a test fails if it needs a program that no package provides.
 set -euo pipefail
 folder=$1
 rm -rf "$folder"

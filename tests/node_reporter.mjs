@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What ran under `node --test`, a line of JSON for each test, for tests/report.mjs: {name, result, seconds, why}.
+// Reporter for `node --test`: writes a line of JSON per test for tests/report.mjs: {name, result, seconds, why}.
 const names = [];
 
 export default async function* lines(events) {
   for await (const { type, data } of events) {
     if (type === 'test:start') names[data.nesting] = data.name;
     if (type !== 'test:pass' && type !== 'test:fail') continue;
-    // Groups and files are not tests themselves; a group that is skipped as a whole has none that says so.
+    // Groups and files are not tests themselves, but the tests of a skipped group are not reported: its group is.
     const isGroup = data.details?.type === 'suite' || /\.mjs$/.test(data.name);
     const skipped = data.skip !== undefined && data.skip !== false;
     const onlyWithin = type === 'test:pass' || data.details.error?.failureType === 'subtestsFailed';

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The end of ./run test: what was skipped and why, the slowest tests, the work of each suite against its budget, and
-// last a line 'N passed, N failed, N skipped'.
+// Prints the summary of ./run test: skipped tests with reasons, the slowest tests, the CPU time of each suite compared
+// with its budget, and as last line 'N passed, N failed, N skipped'.
 //
 //   node tests/report.mjs FOLDER
 //
-// FOLDER has a folder for each suite: `suite.json` {name, exit, seconds, work_s} and what its tests left: *.xml of
-// gtest and ctest, *.jsonl of tests/node_reporter.mjs, vitest.json, *.work of tests/entry.sh. Exit code: 1 when
-// something failed. A suite whose work has doubled (tests/budget.json) is marked.
+// FOLDER has a folder for each suite, with `suite.json` {name, exit, seconds, work_s} and the files of its tests: *.xml
+// of gtest and ctest, *.jsonl of tests/node_reporter.mjs, vitest.json, *.work of tests/entry.sh. Exit code: 1 if a test
+// failed. A suite that needs more than `factor` times its budget (tests/budget.json) is marked.
 import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -17,13 +17,13 @@ const ENTITIES = { lt: '<', gt: '>', quot: '"', apos: "'", amp: '&', '#x0A': '\n
 const plain = (text) => text.replace(/&([a-z]+|#x0A);/gi, (all, name) => ENTITIES[name] ?? all);
 const attributes = (text) => Object.fromEntries([...text.matchAll(/([\w-]+)="([^"]*)"/g)].map(([, key, value]) => [key, plain(value)]));
 
-/** Tests of a file of JUnit's kind, as gtest and ctest write it. */
+/** The tests in a JUnit file as written by gtest and ctest. */
 function testsOfXml(text) {
   return [...text.matchAll(/<testcase\s([^>]*?)(\/>|>([\s\S]*?)<\/testcase>)/g)].map(([, head, , inside = '']) => {
     const { name, classname, time, result, status } = attributes(head);
     const skipped = result === 'skipped' || ['notrun', 'disabled'].includes(status) || /<skipped/.test(inside);
     const failed = /<failure/.test(inside) || status === 'fail';
-    // The reason is what follows the place in the file.
+    // The lines that name a place in a source file are not part of the reason.
     const why = plain(/<skipped[^>]*?message="([^"]*)"/.exec(inside)?.[1] ?? '').split('\n').filter((line) => !/\.cpp:\d+$/.test(line)).join(' ').trim();
     return {
       name: classname && classname !== name ? `${classname}.${name}` : name,
@@ -38,7 +38,7 @@ function testsOfVitest(text) {
   })));
 }
 
-/** All tests of a suite's folder. An entry of ctest that told nothing of its tests counts as one itself. */
+/** All tests of a suite's folder. A ctest entry without a result file counts as one test. */
 function testsOf(folder) {
   const files = readdirSync(folder);
   const read = (file) => readFileSync(join(folder, file), 'utf8');
@@ -52,7 +52,7 @@ function testsOf(folder) {
   for (const entry of testsOfXml(read('ctest.xml'))) {
     const told = files.find((file) => file === `${entry.name}.xml` || file === `${entry.name}.jsonl`);
     const failedInside = told && read(told).match(/<failure|"result":"failed"/);
-    // One that ended before it could tell failed all the same.
+    // An entry may have failed without a failed test in its file, if it ended early.
     if (!told || (entry.result === 'failed' && !failedInside)) tests.push(entry);
   }
   return tests;
@@ -62,7 +62,7 @@ const folder = process.argv[2];
 const suites = readdirSync(folder).filter((name) => existsSync(join(folder, name, 'suite.json'))).sort().map((name) => {
   const suite = JSON.parse(readFileSync(join(folder, name, 'suite.json'), 'utf8'));
   const tests = testsOf(join(folder, name)).map((test) => ({ ...test, suite: suite.name }));
-  // A suite that has no tests to count, or broke before them, is one itself.
+  // A suite without tests, or one that failed although no test did, counts as one test.
   const result = suite.exit === 0 ? 'passed' : suite.exit === 77 ? 'skipped' : 'failed';
   const broke = result === 'failed' && !tests.some((test) => test.result === 'failed');
   if (tests.length === 0 || broke) tests.push({ name: suite.name, suite: suite.name, result, seconds: suite.seconds });
@@ -82,7 +82,7 @@ for (const test of tests.filter(({ group }) => !group).sort((a, b) => b.seconds 
   console.log(`${seconds(test.seconds)} s  ${test.suite}: ${test.name}`);
 }
 
-// Work is the processors' time, which says the same on a busy machine. A slow one needs more: it is no verdict.
+// Work is CPU time, which hardly depends on other load. A slow machine needs more, so this is not a failure.
 const budget = JSON.parse(readFileSync(fileURLToPath(new URL('budget.json', import.meta.url)), 'utf8'));
 say('suites: time that passed, work of the processors, budget (s)');
 function row(name, seconds_passed, work_s) {
@@ -91,7 +91,7 @@ function row(name, seconds_passed, work_s) {
 }
 for (const suite of suites) {
   row(suite.name, suite.seconds, suite.work_s);
-  // The parts of a suite that go side by side: those with a sanitizer say so in front of their names.
+  // The parts of a suite that run in parallel; names of sanitizer tests begin with the sanitizer's prefix.
   const parts = new Map();
   for (const file of readdirSync(join(folder, suite.folder)).filter((name) => name.endsWith('.work'))) {
     const part = SANITIZERS[file.split('.')[0]] ?? 'as shipped';

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plain words: finds words and phrases that readers whose first language is not English stumble over, and names of
-// source files that do not exist.
+// Plain words: finds words and phrases that are hard to read, above all for non-native speakers, and names of source
+// files that do not exist.
 //
-//   node tests/words.mjs [PATH ...]    files and folders; without: docs, README.md, webui, daemon, systemd
+//   node tests/words.mjs [PATH ...]    files and folders; default: docs, README.md, webui, daemon, systemd
 //
 // Markdown: prose outside code. Vue, TypeScript, C++: comments, texts between tags, and string literals that hold prose.
-// Exit code 1 when something was found.
+// Exit code 1 if it finds any.
 import { readdirSync, readFileSync, statSync } from 'node:fs';
 import { extname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
-/** What is searched (whole words, any case, plain text or regular expression) and what to write in its place. */
+/** Patterns (whole words, any case, plain text or regular expression), each with what to write instead. */
 const AVOID = [
   ['anew', 'write "again", "new" or "re-" (reopen, restart)'],
   ['afresh', 'write "again" or "new"'],
@@ -57,7 +57,7 @@ const AVOID = [
   ['still uses empty', 'write "is still empty"'],
 ];
 
-/** Legitimate uses that a pattern would hit: names of the API and of files, quoted as they are. */
+/** Legitimate uses that match a pattern: quoted names of the API and of files. */
 const ALLOWED = ['picture=camera', 'picture=labels', 'picture.jpg', 'x-sslv-picture'];
 
 const rules = AVOID.map(([pattern, advice, cased]) => ({ pattern: new RegExp(`(?<![\\w/_.-])(?:${pattern})(?![\\w(_-]|[.=:]\\w)`, cased ? 'g' : 'gi'), advice }));
@@ -70,11 +70,11 @@ function proseOfMarkdown(text) {
     .replace(/`[^`\n]*`/g, blank).replace(/\]\([^)]*\)/g, blank);
 }
 
-/** A string literal is prose when it has two words, or begins like a title. */
+/** A string literal is prose if it has two words or begins like a title. */
 const isProse = (text) => /[A-Za-z]{2,}[,.:;]? [A-Za-z]{2,}/.test(text) || /^[A-Z][a-z]+$/.test(text);
 const isCodeLike = (text) => /^[\w-]+(?: [\w:-]*-[\w:-]*)*$/.test(text) && !/^[A-Z]/.test(text);
 
-/** Comments and strings of a source in the C family; with `tags` also what stands between tags and in texts of attributes. */
+/** Comments and strings of a source in the C family; with `tags` also texts between tags and in attributes. */
 function proseOfSource(text, tags) {
   const out = blank(text).split('');
   const keep = (start, end) => { for (let i = start; i < end; i++) if (text[i] !== '\n') out[i] = text[i]; };
@@ -94,7 +94,7 @@ function proseOfSource(text, tags) {
   const template = tags ? source.match(/<template>[^]*<\/template>/) : null;
   if (template) {
     const at = template.index;
-    // An expression keeps only its own strings; an attribute only where it is read out or shown.
+    // Keeps only the strings of expressions, and only attributes that are shown or read out.
     for (const found of template[0].matchAll(/(?:title|aria-label|placeholder|alt|label|hint|why)="([^"]*)"|>([^<>]+)</g)) {
       const value = found[1] ?? found[2];
       const start = at + found.index + found[0].indexOf(value);
@@ -120,7 +120,7 @@ const PROSE = {
   ...Object.fromEntries(['.ts', '.mjs', '.h', '.cpp'].map((type) => [type, (text) => proseOfSource(text, false)])),
 };
 const SKIP = ['node_modules', 'dist', 'build', 'images'];
-/** The generated types, and tests, which quote what the service says. */
+/** Generated types, and tests, which quote the service's texts. */
 const NOT_OURS = /schema\.d\.ts$|\.test\.ts$/;
 
 function* files(path) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The last build step: writes the service worker with the list of all files, and a .gz copy of each text file, which
-// the service sends as it is.
+// The last build step: writes the service worker with the list of all files, and a .gz copy of each text file. The
+// service sends these copies unchanged.
 import { createHash } from 'node:crypto';
 import { readdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
@@ -9,7 +9,7 @@ import { transformWithEsbuild, type Plugin } from 'vite';
 import { CACHE_PREFIX } from './src/cachePrefix';
 
 const PACKED = /\.(html|js|css|svg|webmanifest)$/;
-/** Not cached by the service worker: the API description, which the service answers itself, the worker, packed copies. */
+/** Not cached by the service worker: the API description, which the service generates, the worker, packed copies. */
 const LEFT_OUT = /^api\/|^sw\.js$|\.gz$/;
 
 export function panelFiles(): Plugin {

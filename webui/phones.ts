@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Styles select a phone by "(max-width: 760px)" and everything else by "(min-width: 761px)". A phone held sideways is
-// wider but low, and needs the phone styles: the build extends these conditions, so that no style can forget it.
+// wider but needs the phone styles, too, so the build extends these conditions in all styles.
 import type { Plugin } from 'postcss';
 
 const PHONE = '(max-width: 760px)';

@@ -30,7 +30,7 @@ export default defineConfig({
   // Tests read files of the service in ../daemon.
   server: { proxy: { '/api': { target: daemon, ws: true } }, fs: { allow: ['..'] } },
   preview: { proxy: { '/api': { target: daemon, ws: true } } },
-  // One process for all tests: starting one per file took six times as long. The longest wait is that of the other
-  // tests (PATIENCE_MS in ../tests/e2e/service.mjs).
+  // One process for all tests: starting one per file took six times as long. The timeouts equal PATIENCE_MS in
+  // ../tests/e2e/service.mjs.
   test: { include: ['src/**/*.test.ts'], isolate: false, testTimeout: 300_000, hookTimeout: 300_000 },
 });

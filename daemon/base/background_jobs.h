@@ -30,8 +30,8 @@ struct JobProgress {
   std::function<void()> solving;
 };
 
-/// Runs jobs one after the other in one thread of low priority, at most one per key (for example a camera's
-/// id). Keeps the state of each key's newest job. Thread-safe.
+/// Runs jobs one at a time in a low-priority thread; accepts at most one unfinished job per key (for example
+/// a camera's id). Keeps the state of each key's newest job. Thread-safe.
 template <class Order, class Report>
 class BackgroundJobs {
  public:
@@ -104,7 +104,7 @@ class BackgroundJobs {
     return true;
   }
 
-  /// Removes an ended job. False if the key's job is running or has another report.
+  /// Removes a finished job. False if the key's job is running or has another report.
   bool forget(int key, const Report* report) {
     const std::lock_guard lock(mutex_);
     const auto found = newest_.find(key);
@@ -115,8 +115,8 @@ class BackgroundJobs {
     return true;
   }
 
-  /// Fails the jobs that `is_concerned` selects, because their cameras have changed: running jobs and jobs
-  /// with a report.
+  /// Marks as failed the running jobs, and the jobs with a report, that `is_concerned` selects because their
+  /// cameras have changed.
   void invalidate_if(const std::function<bool(int key, const Order& order)>& is_concerned) {
     const std::lock_guard lock(mutex_);
     for (const auto& [key, running] : newest_) {
@@ -152,7 +152,7 @@ class BackgroundJobs {
   }
 
   void work_on(Running& running) {
-    // The state of a stopped job is changed only by the thread that requested the stop.
+    // Only the thread that requests a stop changes the state of a stopped job.
     const auto change = [&](const auto& change_job) {
       const std::lock_guard lock(mutex_);
       if (!running.stop.stop_requested()) change_job(running.job);

@@ -9,11 +9,11 @@
 
 namespace sslv {
 
-/// Histogram of durations since the start. Any thread adds without a lock; counts never decrease. The buckets
-/// are fixed, so that the counts of several years and computers can be added.
+/// Histogram of durations since the start. Any thread can add without a lock; counts never decrease. The
+/// buckets are fixed, so that counts from different years and computers can be added.
 class DurationTotals {
  public:
-  /// Inclusive upper ends of the buckets; one more bucket holds all longer durations.
+  /// Inclusive upper bounds of the buckets; one more bucket holds all longer durations.
   static constexpr std::array<std::int64_t, 20> kEnds_ns{
       10'000,     25'000,     50'000,     100'000,     250'000,     500'000,      1'000'000,
       2'000'000,  3'000'000,  4'000'000,  5'000'000,   7'500'000,   10'000'000,   15'000'000,

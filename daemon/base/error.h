@@ -29,8 +29,8 @@ struct SettingsError : std::runtime_error {
 };
 
 /// A requested resource is busy now but may be free in a moment, for example a port that another program
-/// holds. One line for the admin, as above. At start, the error ends the program with exit code 75
-/// (EX_TEMPFAIL), and the service manager tries again.
+/// holds. The text is one line for the admin, as in SettingsError. At start, the error ends the program with
+/// exit code 75 (EX_TEMPFAIL), and the service manager tries again.
 struct BusyError : SettingsError {
   using SettingsError::SettingsError;
 };

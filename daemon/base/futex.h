@@ -13,10 +13,10 @@
 
 namespace sslv {
 
-/// The threads that wait and wake: threads of this process, or of all processes that share the memory.
+/// Whether the waiting and waking threads belong to this process, or to any process that shares the memory.
 enum class FutexScope : std::uint8_t { kProcess, kShared };
 
-/// Sleeps while `word` equals `value`, at most until `until`; may wake spuriously. Like std::atomic::wait,
+/// Sleeps while `word` equals `value`, but not beyond `until`; may wake spuriously. Like std::atomic::wait,
 /// but with a deadline (futex(2)).
 inline void futex_wait(const std::atomic<std::uint32_t>& word, std::uint32_t value,
                        std::chrono::steady_clock::time_point until,
@@ -37,7 +37,7 @@ inline void futex_wake_all(const std::atomic<std::uint32_t>& word,
   syscall(SYS_futex, &word, operation, INT_MAX, nullptr, nullptr, 0);
 }
 
-/// Lets one thread that must never block wake others. ring() takes no lock, and makes no system call while
+/// Lets a thread wake others without ever blocking. ring() takes no lock, and makes no system call while
 /// nobody waits. A waiting thread calls mark(), checks what has changed, then calls wait().
 class Bell {
  public:
@@ -48,7 +48,7 @@ class Bell {
   }
 
   std::uint32_t mark() const noexcept { return rings_.load(); }
-  /// Returns once ring() was called since `mark`, or at `until`.
+  /// Returns when ring() has been called since `mark`, or at `until`.
   void wait(std::uint32_t mark, std::chrono::steady_clock::time_point until) const noexcept {
     waiting_.fetch_add(1);
     futex_wait(rings_, mark, until);

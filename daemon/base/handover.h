@@ -30,7 +30,7 @@ class Handover {
     left = take_left();
   }
 
-  /// The newest version, which may be held for any time. From any thread except the user's.
+  /// The newest version; the caller may keep it for any time. From any thread except the user's.
   std::shared_ptr<const T> load() const {
     Versions left;
     const std::lock_guard lock(mutex_);
@@ -38,7 +38,7 @@ class Handover {
     return kept_.back();
   }
 
-  /// The user's hold on the version that was newest when the hold began.
+  /// Keeps the version in use that was newest when use() was called.
   class Use {
    public:
     ~Use() { in_use_.store(nullptr, std::memory_order_release); }

@@ -34,8 +34,8 @@ JsonExtent extent_of(const Json& value, std::size_t max_size) {
 
 namespace {
 
-/// Estimates the memory of the parsed text. (The library's parser with a callback searches a list again for
-/// each object in it: a megabyte of `{},` took a minute.)
+/// Estimates the memory of the parsed text. (With a callback, the library's parser searches a whole list
+/// again for each of its objects: parsing a megabyte of `{},` took a minute.)
 class JsonCount final : public nlohmann::json_sax<Json> {
  public:
   explicit JsonCount(std::size_t max_bytes) : max_bytes_(max_bytes) {}

@@ -23,8 +23,8 @@ void keep_file(const std::string& name, int fd);
 /// Releases all files of that name. From any thread.
 void forget_file(const std::string& name);
 
-/// The files left by an earlier run whose name begins with `name_begins`; the service manager still keeps
-/// them until forget_file(). Changes the environment, so it must be called only once, before any thread
+/// The files of an earlier run whose names begin with `name_begins`; the service manager keeps them until
+/// forget_file() is called. Changes the environment, so it must be called only once, before any thread
 /// starts.
 std::vector<KeptFile> take_kept_files(std::string_view name_begins);
 

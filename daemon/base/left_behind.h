@@ -5,9 +5,9 @@
 
 namespace sslv {
 
-/// Counts detached threads. Create an object before detaching a thread, and let the thread hold the object
-/// until its end. While any() is true, the program must not end by exit(), which destroys objects that the
-/// thread may use.
+/// Counts detached threads. Create an object before detaching a thread, and let the thread own the object
+/// until the thread ends. While any() is true, the program must not end by exit(), which destroys objects
+/// that the thread may use.
 class LeftBehind {
  public:
   LeftBehind() { ++count(); }

@@ -27,7 +27,8 @@ namespace sslv {
 inline constexpr std::size_t kMaxTextLength = 200, kMaxListItems = 256;
 /// Bytes of a path without the terminating zero: PATH_MAX of Linux minus 1.
 inline constexpr std::size_t kMaxPathLength = 4095;
-/// Total values plus characters of texts and keys in an object whose keys are declared elsewhere.
+/// Limit for the number of values plus the characters of texts and keys, in an object whose keys are declared
+/// elsewhere.
 inline constexpr std::size_t kMaxObjectSize = 100'000;
 
 /// An int, a double or std::optional of them, in the closed range [min, max]. An empty optional is JSON null.
@@ -155,7 +156,8 @@ constexpr auto text(std::string_view key, std::string P::*member, std::string_vi
                     std::size_t max_length = kMaxTextLength) {
   return TextField<P>{key, member, help, max_length};
 }
-/// A password. Any text; the code that checks passwords limits it. Refused values are not shown in errors.
+/// A password: any text, limited only by the code that checks passwords. Refused values are not shown in
+/// errors.
 template <class P>
 constexpr auto secret(std::string_view key, std::string P::*member, std::string_view help) {
   return TextField<P>{key, member, help, kMaxTextLength, false, true};

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// JSON <-> parameter structs (params.h). Paths are JSON pointers (RFC 6901); every error names path, value
-// and what is allowed. Contains heavy templates: include this file only where settings are read or written.
+// JSON <-> parameter structs (params.h). Paths are JSON pointers (RFC 6901); every error names the path, the
+// value and the allowed values. Contains heavy templates: include this file only where settings are read or
+// written.
 
 #include "base/error.h"
 #include "base/json.h"

@@ -26,7 +26,7 @@ class RecentDurations {
   /// Number of durations added so far, including those that are overwritten.
   std::uint64_t count() const { return count_.load(std::memory_order_acquire); }
 
-  /// The durations added after the first `seen` and not yet overwritten, in no order.
+  /// The durations added after the first `seen` and not yet overwritten, in no particular order.
   std::vector<std::int64_t> samples_ns(std::uint64_t seen = 0) const {
     const std::uint64_t n = count();
     std::vector<std::int64_t> samples;

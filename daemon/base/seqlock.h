@@ -13,7 +13,7 @@
 namespace sslv {
 
 /// A value that one thread writes often and any thread reads consistently. The writer never waits; a reader
-/// that meets a write retries (a sequence lock: Boehm, "Can seqlocks get along with programming language
+/// that overlaps a write retries (a sequence lock: Boehm, "Can seqlocks get along with programming language
 /// memory models?", 2012). A reader of higher priority than the writer must not retry in a loop: see
 /// try_load().
 template <class T>

@@ -16,7 +16,7 @@ namespace {
 
 struct Solution {
   RefinedCamera refined;
-  bool either_way_round = false;  // also fits rotated by 180 deg; unknown which is right
+  bool either_way_round = false;  // also fits when rotated by 180 deg; unknown which is right
   bool only_one = true;           // no other part of the field fits the image
 };
 
@@ -41,7 +41,7 @@ class Calibrator {
         field_curves_(task.field),
         curves_(field_curves_.measured(task.measured.value_or(LinesMeasured::kToMiddle))),
         clicks_(read_clicks(task.clicks, named_points(curves_))),
-        // The scale is not known yet: assumes that the image's width shows about 0.7 field lengths.
+        // The scale is still unknown: assumes that the image's width shows about 0.7 field lengths.
         picture_(find_line_pixels(picture, 1.4 * picture.width() * task.field.line_thickness /
                                                std::max(1000, task.field.field_length))),
         prior_(prior_of(task, picture)) {}
@@ -66,7 +66,7 @@ class Calibrator {
   }
 
  private:
-  /// Number of clicks that the guess assigns to the points that the user named.
+  /// Number of clicks that the guess assigns to the points named by the user.
   std::size_t agreeing(const PoseGuess& guess) const {
     if (!clicks_.names_known || guess.place_of_pixel.size() != clicks_.places.size()) return 0;
     std::size_t count = 0;

@@ -9,9 +9,9 @@
 
 namespace sslv {
 
-/// Calibrates a camera from its image. Takes a few tenths of a second up to 1 s; several seconds if nothing
-/// fits. After a stop request it returns early with `found` false. Throws SettingsError if a click names a
-/// point that the field does not have, or if there are one to three clicks.
+/// Calibrates a camera from its image. Takes a few tenths of a second to 1 s; several seconds if nothing
+/// fits. After a stop request, returns early with `found` false. Throws SettingsError if a click names an
+/// unknown point, or if there are one to three clicks.
 CalibrationReport calibrate(const MeanPicture& picture, const CalibrationTask& task,
                             const std::stop_token& stop = {});
 

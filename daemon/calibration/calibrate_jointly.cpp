@@ -19,10 +19,10 @@ namespace {
 
 /// Search window around the lines' expected positions: share of the image's width, and minimum.
 constexpr double kWindowShare = 0.02, kMinJointWindowPx = 8;
-/// Largest accepted change of a camera's height, as a share of it. Robot heights that are 7 mm wrong cause
-/// such changes.
+/// Largest accepted change of a camera's height, as a share of the height. Errors of 7 mm in the robots'
+/// heights cause changes of this size.
 constexpr double kHeightShare = 0.05;
-/// Smaller disagreements are accepted even if they were smaller before.
+/// Smaller disagreements are accepted even if they have grown.
 constexpr double kAgreeMm = 0.5;
 
 /// Parameters that the lines do not determine, such as the height of a camera that looks straight down, stay
@@ -34,7 +34,7 @@ CameraPrior prior_in_force(const CameraCalibration& calibration, const MeanPictu
   return prior;
 }
 
-/// Distance in mm between the positions that the two cameras of a tie point (OverlapTie) give for it. Tie
+/// For each tie point (OverlapTie), the distance in mm between the positions that its two cameras give. Tie
 /// points that a camera cannot unproject are left out.
 std::vector<double> distances_mm(std::span<const LensCamera> cameras, std::span<const OverlapTie> ties) {
   std::vector<double> out;

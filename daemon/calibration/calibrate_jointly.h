@@ -56,8 +56,8 @@ struct JointReport {
   std::vector<std::string> problems;  // texts for the user: what is wrong, what to do
 };
 
-/// Refines each camera from its current calibration, then all of them together. After a stop request it
-/// returns early with `found` false.
+/// Refines each camera from its current calibration, then all of them together. After a stop request, returns
+/// early with `found` false.
 JointReport calibrate_jointly(const JointTask& task, const std::stop_token& stop = {});
 
 }  // namespace sslv

@@ -8,7 +8,7 @@
 namespace sslv {
 namespace {
 
-/// Replaces NaN and infinity, which JSON cannot represent, by null, instead of relying on the serializer.
+/// Replaces NaN and infinity, which JSON cannot represent, with null, without relying on the serializer.
 void drop_non_numbers(Json& json) {
   if (json.is_number_float() && !std::isfinite(json.get<double>())) {
     json = nullptr;

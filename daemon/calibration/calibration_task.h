@@ -18,7 +18,7 @@ enum class PlusX : std::uint8_t { kUnknown, kRight, kLeft, kUp, kDown };
 struct CalibrationTask {
   FieldSize field;
   std::optional<LinesMeasured> measured;  // none: choose_model() decides
-  /// Four or more clicks, in any order; a name only states the point that was meant. Empty: propose_cameras()
+  /// Four or more clicks, in any order; a name states only the intended point. Empty: propose_cameras()
   /// starts from the straight lines in the image.
   std::vector<ClickedPoint> clicks;
   double click_sigma_px = 3;
@@ -26,7 +26,7 @@ struct CalibrationTask {
   std::optional<double> height_mm;  // height of the camera above the floor, if measured
   double height_sigma_mm = 20;
   std::optional<double> focal_px;             // focal length of the lens, if known
-  double focal_share = 0.02;                  // standard deviation of focal_px, as a share of it
+  double focal_share = 0.02;                  // standard deviation, as a share of focal_px
   std::optional<CameraCalibration> previous;  // for comparison, and to distinguish the field's ends
 };
 

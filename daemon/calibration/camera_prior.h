@@ -10,7 +10,7 @@
 
 namespace sslv {
 
-/// Knowledge about a camera before its image is seen: expected values and standard deviations.
+/// Knowledge about a camera before its image is used: expected values and standard deviations.
 struct CameraPrior {
   double focal_px = 0, focal_share = 0.4;  // focal_share: standard deviation, as a share of the focal length
   double center_x = 0, center_y = 0, center_sigma_px = 1;
@@ -24,11 +24,11 @@ struct CameraPrior {
 /// 0.5 to 1.3 widths of the whole image and their principal point near its centre.
 CameraPrior camera_prior(int width_px, int height_px, const WholePicture& whole = {});
 
-/// The same prior, with the second radial term k2 to be fitted.
+/// The same prior, but with the second radial term k2 free to be fitted.
 CameraPrior with_second_radial(CameraPrior prior);
 
-/// Residuals of a camera against its prior, in sigmas, and their Jacobian by the step parameters (one row
-/// each).
+/// Residuals of a camera against its prior, in sigmas, and their Jacobian with respect to the step parameters
+/// (one row each).
 struct PriorRows {
   static constexpr int kCount = 6;
   Eigen::Matrix<double, kCount, 1> off = Eigen::Matrix<double, kCount, 1>::Zero();

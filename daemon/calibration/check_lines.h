@@ -14,16 +14,16 @@ namespace sslv {
 
 /// Position of one painted line or arc in an image.
 struct LineSeen {
-  std::size_t curve = 0;  // index into the curves given
+  std::size_t curve = 0;  // index into the given curves
   int points = 0;         // sample points in view
   int found = 0;          // sample points with a stripe
   double offset_mm = 0;   // median offset of the stripes from the expected line, across it
 };
 
-/// Searches for the painted lines up to `window_mm` to both sides of their expected positions, at about 200
-/// sample points at most. This takes a fraction of a millisecond for images of any size. A covered sample
-/// point counts as a sample point without a stripe. Lines with fewer than five sample points in the image are
-/// left out.
+/// Searches for the painted lines up to `window_mm` on both sides of their expected positions, at no more
+/// than about 200 sample points. This takes a fraction of a millisecond for images of any size. A covered
+/// sample point counts as a sample point without a stripe. Lines with fewer than five sample points in the
+/// image are left out.
 std::vector<LineSeen> check_lines(const ImageView& image, const CameraModel& camera,
                                   std::span<const PaintedCurve> curves, double window_mm);
 

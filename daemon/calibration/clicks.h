@@ -13,14 +13,14 @@
 
 namespace sslv {
 
-/// A point of the field that somebody clicked in the image.
+/// A point of the field that a user clicked in the image.
 struct ClickedPoint {
   Eigen::Vector2d pixel;
   std::string name;                         // one of named_points(), or empty
   std::optional<Eigen::Vector2d> place_mm;  // position on the field, instead of a name
 };
 
-/// Clicks, and the points of the field that they may mean.
+/// Clicks, and the points of the field to which they may refer.
 struct Clicks {
   std::vector<Eigen::Vector2d> pixels;
   std::vector<NamedPoint> places;
@@ -30,7 +30,7 @@ struct Clicks {
   struct Meaning {
     const NamedPoint* place = nullptr;  // null: the camera shows none of the places
     double off_px = 1e9;
-    bool is_far = true;  // the place is too far away to be meant
+    bool is_far = true;  // the place is too far away to be intended
   };
   Meaning meaning(std::size_t pixel, const LensCamera& camera) const;
   bool has_far_one(const LensCamera& camera) const;

@@ -50,7 +50,7 @@ void add_line_figures(const Finding& finding, CalibrationReport& out) {
   }
 }
 
-/// Share of the image cells showing the field that contain measured lines.
+/// Of the image cells that show the field, the share that contains measured lines.
 double coverage(const RefinedCamera& refined, const FieldSize& field) {
   constexpr int kColumns = 6, kRows = 4;
   const LensCamera& camera = refined.camera;

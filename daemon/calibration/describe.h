@@ -25,7 +25,7 @@ struct Finding {
   LinesMeasured measured;
   const RefinedCamera& refined;
   Verdict verdict;
-  bool either_way_round;  // also fits rotated by 180 deg; unknown which is right
+  bool either_way_round;  // also fits when rotated by 180 deg; unknown which is right
   bool only_one;          // no other part of the field fits the image
 };
 
@@ -38,10 +38,10 @@ CalibrationReport describe(const Finding& finding);
 /// cause of missing lines, as the end of a question.
 std::vector<std::string> problems_of(const Verdict& verdict, const char* doubt);
 
-/// A note that the protocol cannot describe this lens; nothing if it can describe the lens.
+/// A note that the protocol cannot describe this lens; nothing if it can.
 std::optional<std::string> lens_note(const Published& published);
 
-/// A note that the lines are at the positions for field sizes measured to the lines' outer edges.
+/// A note that the lines' positions match field sizes measured to the lines' outer edges.
 std::string outer_edge_note(const FieldSize& field);
 
 /// Grid points of the field (mm) that a camera shows.

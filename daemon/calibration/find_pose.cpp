@@ -20,7 +20,7 @@ double turn_of(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::
   return ab.x() * ac.y() - ab.y() * ac.x();
 }
 
-/// Whether a camera above the field may show the places at the pixels: then all triangles have opposite
+/// Whether a camera above the field could show the places at the pixels. All triangles then have opposite
 /// orientations in the image and on the field, because the image's y axis points down.
 bool is_from_above(Points pixels, Points places, const Assignment& place_of) {
   constexpr double kMinPx2 = 400, kMinMm2 = 1e5;  // inaccurate clicks may flip smaller triangles
@@ -108,7 +108,7 @@ void add_by_pairs(Points pixels, Points places, const LinePicture& picture, std:
   };
   std::vector<Candidate> candidates;
   const double width = picture.width();
-  const double max_off_px = 0.12 * width;  // tilt and distortion deviate from the similarity
+  const double max_off_px = 0.12 * width;  // tilt and distortion cause deviations from the similarity
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     for (std::size_t j = i + 1; j < pixels.size(); ++j) {
       if (stop.stop_requested()) return;
@@ -216,7 +216,8 @@ std::vector<PoseGuess> guess_poses(Points pixels, Points places_mm, bool any_ord
     if (stop.stop_requested()) return {};
     std::vector<Eigen::Vector2d> places;
     for (const std::size_t place : place_of) places.push_back(places_mm[place]);
-    // Four corners do not determine the distortion: try several distortions, and choose by the lines.
+    // Four corners do not determine the distortion: try several values, and choose the one that fits the
+    // lines best.
     PoseGuess best;
     best.evidence = -1;
     for (const double k1 : {0.0, 0.05, 0.1, 0.17, 0.25, 0.35, 0.5}) {

@@ -24,9 +24,9 @@ struct PoseGuess {
 };
 
 /// Cameras for which each pixel shows a different place, best evidence first. Needs at least three pixels.
-/// With `any_order`, the assignment of pixels to places is searched, too; otherwise pixel i shows place i.
-/// Cameras look at the field from above, so mirrored assignments are rejected. `click_sigma_px`: accuracy of
-/// the pixels. Empty after a stop request.
+/// With `any_order`, also searches for the assignment of pixels to places; otherwise pixel i shows place i.
+/// The cameras are above the field, so mirrored assignments are rejected. `click_sigma_px`: accuracy of the
+/// pixels. Empty after a stop request.
 std::vector<PoseGuess> guess_poses(std::span<const Eigen::Vector2d> pixels,
                                    std::span<const Eigen::Vector2d> places_mm, bool any_order,
                                    double click_sigma_px, const LinePicture& picture,

@@ -47,8 +47,8 @@ std::vector<double> residuals(const LensCamera& camera, std::span<const Sighting
 /// Like residuals(), in pixels.
 std::vector<double> residuals_px(const LensCamera& camera, std::span<const Sighting> sightings);
 
-/// Jacobian of the line sightings' residuals (in sigmas) by the step parameters, at `camera`: one row per
-/// sighting, 0 for point sightings and places not shown.
+/// Jacobian of the line sightings' residuals (in sigmas) with respect to the step parameters, at `camera`:
+/// one row per sighting, 0 for point sightings and places not shown.
 Eigen::Matrix<double, Eigen::Dynamic, kCameraParams> residuals_by_step(const LensCamera& camera,
                                                                        std::span<const Sighting> sightings);
 

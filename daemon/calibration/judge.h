@@ -17,7 +17,7 @@ struct Verdict {
   double unexplained_share = 0;  // share of the stripe pixels on the field that no line explains
 
   /// found_share minus a multiple of unexplained_share. A wrong camera always leaves stripes unexplained;
-  /// lines that are missing on the floor do not.
+  /// lines missing on the floor do not.
   double credit() const;
   bool lines_are_near() const;
   bool lines_are_found() const;

@@ -23,8 +23,8 @@ struct Minimum {
   double cost = 0;  // half the sum of squares
 };
 
-/// Moves `x` to a minimum by Levenberg-Marquardt, with at most `max_evaluations` of the residuals. Stops when
-/// x or the cost changes by less than `tolerance`, relatively.
+/// Moves `x` to a minimum by Levenberg-Marquardt, with at most `max_evaluations` evaluations of the
+/// residuals. Stops when the relative change of x or of the cost is below `tolerance`.
 Minimum minimise(LeastSquares& problem, Eigen::VectorXd& x, int max_evaluations, double tolerance);
 
 /// Cauchy loss: large residuals count little.

@@ -29,12 +29,12 @@ struct LensCamera {
 
 LensCamera lens_camera(const CameraCalibration& calibration);
 
-/// Whether the camera looks down and sees 1.5 to 20 m across. Fits from a wrong guess may end anywhere.
+/// Whether the camera looks down and sees 1.5 to 20 m across. Fits from a wrong guess may converge anywhere.
 bool is_plausible(const LensCamera& camera);
 
-/// Parameters of a step, in units of similar effect on the image. kZoom changes the focal length by
-/// exp(step), and with it the distance from the floor along the optical axis and the distortion. The image of
-/// a plane hardly changes with such a step, so that the cost has a straight valley instead of a curved one.
+/// Parameters of a step, in units of similar effect on the image. kZoom scales the focal length by exp(step),
+/// and adapts the distance from the floor along the optical axis and the distortion. The image of a plane
+/// hardly changes with such a step, so that the cost has a straight valley instead of a curved one.
 enum CameraParam {
   kZoom,
   kCenterX,  // px
@@ -54,13 +54,13 @@ using CameraStep = Eigen::Matrix<double, kCameraParams, 1>;
 /// `camera` after a step.
 LensCamera moved(const LensCamera& camera, const CameraStep& step);
 
-/// Pixel of a point after a step, and its Jacobian by the step's parameters.
+/// Pixel of a point after a step, and its Jacobian with respect to the step's parameters.
 struct SteppedPixel {
   Eigen::Vector2d pixel;
   Eigen::Matrix<double, 2, kCameraParams> by_step;
 };
 
-/// A camera after a step, with derivatives by the step's parameters.
+/// A camera after a step, with derivatives with respect to the step's parameters.
 class SteppedCamera {
  public:
   SteppedCamera(const LensCamera& start, const CameraStep& step);
@@ -79,7 +79,7 @@ class SteppedCamera {
 
   LensCamera start_, camera_;
   double grow_;                    // exp(kZoom)
-  Eigen::Vector3d along_axis_mm_;  // derivative of the position by kZoom
+  Eigen::Vector3d along_axis_mm_;  // derivative of the position with respect to kZoom
   Eigen::Matrix3d turn_by_step_;   // left Jacobian of the rotation
 };
 

@@ -34,7 +34,7 @@ void add_rgb_row(const ImageView& frame, int y, std::array<float*, 3> out) {
   }
 }
 
-/// Each missing colour is the mean of its nearest samples: two or four samples of the 3x3 around.
+/// Each missing colour is the mean of its nearest samples: two or four samples of the surrounding 3x3.
 void add_bayer_row(const ImageView& frame, int y, std::array<float*, 3> out) {
   const int red_x = frame.format == PixelFormat::kBayerGr8 || frame.format == PixelFormat::kBayerBg8 ? 1 : 0;
   const int red_y = frame.format == PixelFormat::kBayerGb8 || frame.format == PixelFormat::kBayerBg8 ? 1 : 0;
@@ -95,7 +95,7 @@ FloatPicture blurred(const FloatPicture& in, double sigma_px) {
   return out;
 }
 
-/// Standard deviation of white noise, from the median of second differences, few of which lie on edges
+/// Standard deviation of white noise, from the median of second differences; few of them lie on edges
 /// (Immerkaer 1996).
 float noise_of(const FloatPicture& light) {
   std::vector<float> values;

@@ -25,11 +25,11 @@ struct FloatPicture {
 /// Mean of frames of a fixed camera, in red, green and blue. Bayer images are interpolated.
 class MeanPicture {
  public:
-  /// Returns false, and has no effect, if the frame is empty, monochrome or of another size than the first
-  /// frame.
+  /// Returns false, and has no effect, if the frame is empty or monochrome, or if its size differs from the
+  /// first frame's.
   bool add(const ImageView& frame);
   int frames() const { return frames_; }
-  /// The larger image of which this image is a part.
+  /// The larger image that contains this image.
   WholePicture whole{};
   int width() const { return sums_[0].width; }
   int height() const { return sums_[0].height; }

@@ -91,7 +91,7 @@ std::vector<Sighting> find_lines(const LinePicture& picture, const LensCamera& c
                                  std::span<const PaintedCurve> curves, std::span<const CurvePoint> points,
                                  double window_px) {
   constexpr double kMarginPx = 6, kBeyondPx = 2.2;
-  // The profile's mean of seven pixels divides the noise by 2.6.
+  // The profile averages seven pixels, which divides the noise by 2.6.
   const double least = std::max(0.6 * picture.min_line, 3 * picture.noise / 2.6);
   constexpr std::size_t kMaxStripes = 4;  // with more stripes, the right stripe is unknown
   std::vector<Sighting> out;

@@ -25,13 +25,13 @@ struct ExpectedLine {
 std::optional<ExpectedLine> expect_line(const LensCamera& camera, const PaintedCurve& curve,
                                         const CurvePoint& point, double margin_px);
 
-/// Finds lines to about a pixel: for each point, the nearest bright stripe along the normal, at most
+/// Finds lines to within about a pixel: for each point, the nearest bright stripe along the normal, at most
 /// `window_px` away. Points with no stripe or with too many stripes are left out.
 std::vector<Sighting> find_lines(const LinePicture& picture, const LensCamera& camera,
                                  std::span<const PaintedCurve> curves, std::span<const CurvePoint> points,
                                  double window_px);
 
-/// Measurement of one patch of a line, with both of its borders in one fit.
+/// Measurement of one patch of a line. One fit covers both borders.
 struct MeasuredLine {
   double offset_px = 0;  // offset of the line's middle along the normal, from its expected position
   double sigma_px = 0;   // sigma of offset_px, due to image noise

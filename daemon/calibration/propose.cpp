@@ -112,8 +112,8 @@ class Straightener {
   double focal_px_, half_px_, k1_;
 };
 
-/// Hough transform for straight lines (Hough 1962, Duda and Hart 1972). Points vote only near their own
-/// direction.
+/// Hough transform for straight lines (Hough 1962, Duda and Hart 1972). A point votes only for directions
+/// near its own.
 class Votes {
  public:
   static constexpr int kAngles = 360;
@@ -237,8 +237,7 @@ std::vector<StraightLine> straight_lines(std::span<const StripePoint> points, Vo
 /// Lines of one direction, sorted by their distance from the middle.
 using Family = std::vector<StraightLine>;
 
-/// The lines of two roughly perpendicular directions, only the longest kMax of each. Other lines are left
-/// out.
+/// The longest lines, at most kMax each, of two roughly perpendicular directions.
 std::array<Family, 2> two_families(const std::vector<StraightLine>& lines) {
   double best = 0, most = -1;
   constexpr int kAngles = 180;

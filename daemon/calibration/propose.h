@@ -18,8 +18,8 @@ struct Proposal {
   std::string problem;              // why there are no cameras
 };
 
-/// Finds straight lines in two directions and tries to match them to lines of the field. First it estimates
-/// the distortion: the value that makes the lines straightest.
+/// Estimates the distortion as the value that makes the lines straightest, finds straight lines in two
+/// directions, and matches them to lines of the field.
 Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurve> curves,
                          const CameraPrior& prior, const std::stop_token& stop = {});
 

@@ -17,9 +17,9 @@ struct Published {
 /// Height of the robots' tops. Errors of cameras are reported at this height and on the floor.
 inline constexpr double kRobotTopsMm = 150;
 
-/// The calibration whose image of the floor and robots' tops is nearest to the image by `camera`; identical
-/// to `camera` if k2 is 0. Its quaternion has the sign nearer to the previous quaternion: q and -q are the
-/// same rotation.
+/// The calibration that best reproduces how `camera` projects the floor and the robots' tops; identical to
+/// `camera` if k2 is 0. Of q and -q, which are the same rotation, its quaternion is the one nearer to the
+/// previous quaternion.
 Published publish(const LensCamera& camera, const std::optional<CameraCalibration>& previous = {});
 
 }  // namespace sslv

@@ -23,12 +23,12 @@ double robust_sigma(std::vector<double> values) {
   return median(std::move(values)) / 0.6745;
 }
 
-/// Fits the lines to about a pixel. The window narrows as the camera improves.
+/// Fits the lines to within about a pixel. The window narrows as the camera improves.
 std::optional<LensCamera> fit_roughly(const LinePicture& picture, const LensCamera& start,
                                       std::span<const PaintedCurve> curves, CameraPrior prior,
                                       double window_px, const std::stop_token& stop) {
   // Coarse measurements hardly determine the focal length and may move it far along the valley of the cost,
-  // from where it returns slowly. So its prior is tightened.
+  // from where it returns slowly. Therefore tighten its prior.
   prior.focal_share = std::min(prior.focal_share, 0.15);
   constexpr double kStepPx = 9, kClearPx = 6, kNarrowing = 0.72, kMinWindowPx = 3;
   constexpr double kCauchyShare = 0.22, kMinCauchyPx = 0.7;
@@ -129,9 +129,9 @@ double redundancy(const LensCamera& camera, std::span<const Sighting> sightings,
   return (1 + correlation) / (1 - correlation);
 }
 
-/// Covariance of the parameters, from how the camera changes when one line is left out (jackknife over
-/// lines). Patches of a line share the line's errors, so the scatter of the patches would underestimate the
-/// covariance by far.
+/// Covariance of the parameters, from the change of the camera when one line is left out (jackknife over
+/// lines). Patches of a line share the line's errors, so the scatter of the patches would greatly
+/// underestimate the covariance.
 CameraInformation covariance_of(const LensCamera& camera, std::span<const Sighting> sightings,
                                 const CameraInformation& by_prior) {
   const auto changes = residuals_by_step(camera, sightings);

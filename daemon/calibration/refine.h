@@ -27,7 +27,7 @@ struct RefinedCamera {
 };
 
 struct RefineOptions {
-  double window_px = 30;    // search distance from the lines' positions by `start`
+  double window_px = 30;    // search distance from the lines' positions predicted by `start`
   bool two_radial = false;  // fit the second radial term too
 };
 

@@ -14,7 +14,7 @@
 namespace sslv {
 namespace {
 
-/// Distance of the nodes between which the offset of unevenly painted lines is interpolated.
+/// Distance between nodes; between them, the offset of unevenly painted lines is interpolated.
 constexpr double kPieceMm = 600;
 /// Standard deviation of the lines' offsets from their positions.
 constexpr double kLineSigmaMm = 2;

@@ -8,7 +8,7 @@ namespace sslv {
 
 // Most fields look the same from both ends, so a camera's orientation must be known from other information.
 
-/// Whether two cameras have the same orientation, to less than 60 deg.
+/// Whether two cameras have the same orientation to within 60 deg.
 bool same_way_round(const LensCamera& a, const LensCamera& b);
 
 /// Whether +x is on the side that the task states; if it states none, on the side of the previous

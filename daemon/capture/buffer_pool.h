@@ -17,8 +17,8 @@ class BufferPool {
  public:
   BufferPool(std::size_t buffers, std::size_t bytes_each);
 
-  /// Lends a free buffer with the layout's size, stride and format; `bytes` is where to write the image.
-  /// Returns an empty Image if all buffers are lent. For one thread; allocates nothing.
+  /// Lends a free buffer with the layout's size, stride and format; `bytes` receives the address at which to
+  /// write the image. Returns an empty Image if all buffers are lent. For one thread; allocates nothing.
   Image take(const ImageView& layout, std::uint8_t*& bytes) noexcept;
 
  private:

@@ -12,8 +12,9 @@ constexpr std::size_t kMinInBin = 10;
 /// The quantile is low enough to exclude delays and high enough to be robust.
 constexpr double kQuantile = 0.2;
 constexpr std::size_t kBinsForDrift = 5;
-/// Repeated deviations beyond these limits count as a clock jump. Few early images are enough, because an
-/// image cannot arrive early. Late images must last for a while, because a busy host may cause them.
+/// Repeated deviations beyond these limits count as a clock jump. A few early images are enough, because an
+/// image cannot arrive early. Late images must persist for kLateForS, because a busy host may also cause
+/// them.
 constexpr double kJumpS = 0.003, kJumpSpreadS = 0.010, kLateForS = 0.5;
 constexpr int kEarlyPictures = 3, kLatePictures = 8;
 /// A camera that was silent for this long may have been switched off and on.

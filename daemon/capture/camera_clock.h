@@ -8,19 +8,19 @@
 namespace sslv {
 
 /// Estimates the offset and drift of a camera's clock relative to the host's from the arrival times of
-/// images. An image is never early but often late, so the class takes a low quantile of the offsets in bins
-/// of a quarter second, and fits a robust line through the bins of ten seconds. Restarts when the clock
+/// images. An image is never early but often late, so the class computes a low quantile of the offsets in
+/// each quarter second, and fits a robust line through the quantiles of ten seconds. Restarts when the clock
 /// jumps. No allocation, a fraction of a microsecond per image. For one thread.
 class CameraClock {
  public:
   struct Estimate {
     double t_host_s = 0;   // estimated arrival time without random delay
     double sigma_s = 0;    // its standard deviation, estimated from the fit
-    bool settled = false;  // enough data to know the drift too
+    bool settled = false;  // enough data to estimate the drift, too
   };
 
   /// Adds an image with its time on the camera's clock and its arrival on the host's steady clock, both in
-  /// seconds since any epoch.
+  /// seconds since an arbitrary epoch.
   Estimate add(double t_camera_s, double t_arrival_s);
 
   /// Seconds per second by which the camera's clock gains; 0 until settled.

@@ -61,7 +61,7 @@ class DamageLog {
   std::int64_t due_ns_ = 0;
 };
 
-/// Logs losses of the camera: a new reason at once, a repeated one once a minute with its count.
+/// Logs losses of the camera: a new reason immediately, a repeated reason every minute with its count.
 class LossLog {
  public:
   explicit LossLog(const std::string& name) : name_(name) {}
@@ -159,7 +159,7 @@ class CallGate {
     while (calling_.load() != 0) calling_.wait(1);
   }
 
-  /// Prevents further calls; returns whether silence() would not wait.
+  /// Prevents further calls; returns whether silence() would return immediately.
   bool try_silence() {
     silenced_.store(true);
     return calling_.load() == 0;

@@ -86,7 +86,7 @@ class ControlQueue {
   /// The known state of the camera.
   struct Memory {
     std::vector<Control> list;      // as last read
-    bool ranges_are_old = false;    // controls set after the last read of all may have changed the ranges
+    bool ranges_are_old = false;    // controls set since the last full read may have changed the ranges
     ControlValues opened;           // value of each control before it was first set
     std::set<std::string> unsaved;  // controls that were set but not saved
     RefusedByName refused;

@@ -17,7 +17,7 @@ enum class ControlKind : std::uint8_t { kFlag, kInteger, kNumber, kChoice, kText
 /// The knowledge of cameras that a control requires of its user (GenICam SFNC visibility).
 enum class ControlLevel : std::uint8_t { kBeginner, kExpert, kGuru };
 
-/// A setting of the camera itself with its current value. The camera defines its set of controls.
+/// A setting of the camera itself with its current value. Each camera defines its own controls.
 struct Control {
   std::string name;                   // the camera's name, such as "ExposureTime"
   std::string title, category, help;  // for display; may be empty
@@ -40,13 +40,14 @@ Json control_json(const Control& control);
 /// accept.
 void check_control_value(const Control& control, const Json& value);
 
-/// Whether a camera that reports `a` was set to `b`: cameras round numbers, by less than a step or 1e-4.
+/// Whether a camera that reports `a` was set to `b`: cameras round numbers, by less than a step or a relative
+/// 1e-4.
 bool is_same_value(const Control& control, const Json& a, const Json& b);
 
 class ControlQueue;
 
 /// Driver of an open camera's controls. Calls may block until the camera answers; while the camera is open,
-/// only queue() makes them. May outlive the camera; every call then throws CaptureError.
+/// only queue() makes these calls. May outlive the camera; every call then throws CaptureError.
 class Controls : public std::enable_shared_from_this<Controls> {
  public:
   Controls();

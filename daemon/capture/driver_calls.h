@@ -10,10 +10,10 @@
 
 namespace sslv {
 
-/// Runs calls to a camera's driver, or to other code that may hang and cannot be interrupted, one after the
-/// other in a background thread that exists while calls are pending. Waiting for a call is limited. A call
-/// that hangs is abandoned, and the calls after it are refused soon, so that they do not block the callers'
-/// threads. Copies refer to the same camera. Thread-safe.
+/// Runs calls to a camera's driver, or to other code that may hang and cannot be interrupted, one at a time
+/// in a background thread that exists while calls are pending. Limits the wait for a call. Abandons a call
+/// that hangs, and refuses later calls quickly, so that they do not block the callers' threads. Copies refer
+/// to the same camera. Thread-safe.
 class DriverCalls {
  public:
   static constexpr std::chrono::milliseconds kPatience{5000}, kPatienceWithOthers{2000};

@@ -13,8 +13,8 @@ namespace sslv {
 /// Why the image is not valid; empty if it is valid.
 std::string find_fault(const ImageView& picture);
 
-/// Replaces an impossible capture time by the current time: NaN, in the future, or so old that a clock must
-/// have been set meanwhile. Returns whether the time was replaced.
+/// Replaces an impossible capture time (NaN, in the future, or so old that a clock must have been set) by the
+/// current time. Returns whether the time was replaced.
 bool sanitize_times(CaptureTimes& times, double now_s);
 
 }  // namespace sslv

@@ -11,7 +11,7 @@ constexpr int kPicturesToTrust = 20;
 /// PTP uses TAI, which is ahead of UTC: 37 s in 2026, possibly more later.
 constexpr double kMaxLeapS = 45;
 /// Limits of the delay from the start of an exposure to the first packet, including errors of the host's
-/// clock. The exposure time is added to the latest.
+/// clock. The exposure time is added to kLatestS.
 constexpr double kEarliestAheadS = -0.001, kLatestS = 0.3;
 /// A longer exposure time is an error of the camera.
 constexpr double kLongestExposureS = 60;

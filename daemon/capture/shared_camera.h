@@ -17,8 +17,8 @@
 
 namespace sslv {
 
-/// One open camera whose images are delivered to several takers, none of which waits for another. Its own
-/// thread receives the images; nothing is copied or allocated per taker.
+/// Delivers the images of one open camera to several takers, which never wait for each other. A thread of its
+/// own receives the images; nothing is copied or allocated per taker.
 class SharedCamera {
  public:
   using Open = std::function<std::unique_ptr<Source>()>;
@@ -62,8 +62,8 @@ class SharedCamera {
   std::vector<std::string> warnings() const { return source_->warnings(); }
 
  private:
-  /// Images held by several takers. The last release returns an image to the camera, which may be closed by
-  /// then.
+  /// Images held by several takers. The last release of an image returns it to the camera, which may already
+  /// be closed.
   struct Pool;
 
   explicit SharedCamera(std::unique_ptr<Source> source);

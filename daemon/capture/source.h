@@ -24,7 +24,7 @@ struct CapturedImage {
   Image image;           // borrows the driver's buffer
   CaptureTimes times{};  // arrived_ns is set by the camera thread
   WholePicture whole{};
-  bool is_damaged = false;  // parts are missing, but the image is to be used
+  bool is_damaged = false;  // parts are missing, but the image is used anyway
   std::string name{};       // file stem of a recorded frame; empty (no allocation) for live frames
 };
 
@@ -39,7 +39,7 @@ enum class CaptureStatus {
 
 /// Packets of a network camera since the opening.
 struct PacketCounts {
-  std::uint64_t missing = 0;  // never arrived; Aravis counts all packets of an image from the first gap on
+  std::uint64_t missing = 0;  // never arrived; Aravis counts all packets of an image from its first gap
   std::uint64_t resent = 0;   // arrived after a resend request
 };
 

@@ -23,13 +23,13 @@ void nv12_row_to_uyvy(const std::uint8_t* luma, const std::uint8_t* colors, std:
 
 // Pixels deeper than 8 bits are split. `to` gets the upper 8 bits, the same values that cameras send in their
 // 8-bit formats; `low` gets the bits below, left-aligned in a byte (ImageView::to_low_bits). So black is 0,
-// white is 255, and nothing is rounded. Values above the depth become white.
+// white is 255, and nothing is rounded. Values above the depth's maximum become white.
 
-/// 16 bits per pixel, big-endian, of which the lower `depth_bits` (8..16) are used.
+/// Big-endian pixels of 16 bits; only the lower `depth_bits` (8..16) are used.
 void split_big_endian(const std::uint8_t* from, std::size_t pixels, int depth_bits, std::uint8_t* to,
                       std::uint8_t* low) noexcept;
 
-/// The same in little-endian, GenICam's unpacked formats.
+/// The same for little-endian pixels, as in GenICam's unpacked formats.
 void split_little_endian(const std::uint8_t* from, std::size_t pixels, int depth_bits, std::uint8_t* to,
                          std::uint8_t* low) noexcept;
 

@@ -62,7 +62,7 @@ void put_u64(std::span<std::byte> bytes, std::size_t place, std::uint64_t value)
 }
 
 std::uint32_t clip_sum(std::span<const std::byte> bytes, std::uint32_t sum) {
-  if (bytes.empty()) return sum;  // zlib returns the initial value for a null pointer, whatever `sum` is
+  if (bytes.empty()) return sum;  // zlib returns the initial value for a null pointer, regardless of `sum`
   return static_cast<std::uint32_t>(crc32_z(sum, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 

@@ -35,7 +35,7 @@ inline constexpr std::uint64_t kMaxClipBlocks = 1 << 19;  // eight cameras at 75
 inline constexpr std::size_t kMaxClipCameras = 256;
 inline constexpr std::size_t kMaxClipSetups = 16384;
 inline constexpr std::size_t kMaxClipEvents = 4096;
-/// Number of blocks reserved for the blocks after the last frame.
+/// Number of blocks reserved for use after the last frame.
 inline constexpr std::uint64_t kClipEndBlocks = kMaxClipEvents + kMaxClipCameras + 8;
 /// Maximum bytes of a setup's JSON, whose parsed values take up to twenty times the memory of the text.
 inline constexpr std::size_t kMaxClipJsonBytes = std::size_t{1} << 20U;
@@ -46,9 +46,8 @@ inline constexpr std::size_t kMaxClipTableBytes = std::size_t{20} << 20U;  // wi
 inline constexpr std::size_t kMaxClipPacketBytes = 65'507;                 // the largest datagram
 inline constexpr std::size_t kMaxClipMemoryBytes = std::size_t{1} << 20U;
 inline constexpr std::size_t kMaxClipImageBytes = std::size_t{48} << 20U;  // 25 megapixels of 2 bytes
-/// Limit for the memory of a reader: one image, and the entries of all frames. In clips of very many frames,
-/// this allows only smaller images than kMaxClipImageBytes; with larger images, such a clip would have
-/// terabytes.
+/// Limit for a reader's memory: one image, and the entries of all frames. A clip of very many frames may
+/// therefore only have images smaller than kMaxClipImageBytes; with larger images, it would take terabytes.
 inline constexpr std::size_t kMaxClipBytesInMemory = 52'000'000;
 
 enum class ClipBlock : std::uint32_t { kAbout = 1, kSetup, kFrame, kEvent, kMissing, kIndex };
@@ -69,7 +68,7 @@ struct ClipFrameHead {
   int width = 0, height = 0;  // px; 0: no image
   bool is_deep = false;       // a plane of low bits follows the pixels
   std::uint64_t packet_bytes = 0, memory_bytes = 0, image_bytes = 0;
-  /// Earlier versions could keep parts of an image. Readers skip such parts, so the frame has no image.
+  /// Earlier versions could keep parts of an image. Readers skip these parts, so the frame has no image.
   bool is_in_parts = false;
 
   bool has_image() const { return width != 0 && !is_in_parts; }
@@ -91,7 +90,7 @@ struct ClipIndexLine {
   bool has_memory = false, is_whole = false;
 };
 
-/// Resets optional times that are not finite, so that the frame is not rejected because of them.
+/// Resets optional times that are not finite, because a frame with invalid times would be rejected.
 void leave_out_bad_times(CaptureTimes& times);
 
 std::array<std::byte, kClipHeadBytes> clip_head();

@@ -60,7 +60,7 @@ struct ClipReader::File {
 
   File(const std::filesystem::path& path, const std::stop_token& stop)
       : name(path.string()),
-        // O_NONBLOCK: opening a pipe would wait for a writer.
+        // O_NONBLOCK: otherwise, opening a pipe would wait for a writer.
         fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
     if (fd < 0) refuse(fmt::format("cannot be read: {}", std::strerror(errno)));
     try {
@@ -172,7 +172,7 @@ struct ClipReader::File {
     return true;
   }
 
-  /// Calls use(line) for each line. Returns the checksum of all.
+  /// Calls use(line) for each line. Returns the checksum of all lines.
   template <class Use>
   std::uint32_t each_index_line(std::uint64_t index, std::uint64_t lines, const Use& use) const {
     std::vector<std::byte> some(1024 * kClipIndexBytes);
@@ -318,8 +318,8 @@ struct ClipReader::File {
     return true;
   }
 
-  /// Counts setup `number`. False if the file up to the block at `place` is too short for so many setups, or
-  /// if a clip cannot have so many setups.
+  /// Counts setup `number`. False if the number exceeds the limit for a clip, or if the file before `place`
+  /// is too short for that number of setups.
   bool note_setup(std::uint32_t number, std::uint64_t place) {
     if (number >= std::min<std::uint64_t>(place / (kClipBlockBytes + kClipSetupBytes) + 1, kMaxClipSetups))
       return false;

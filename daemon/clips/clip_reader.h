@@ -25,7 +25,7 @@ class ClipReader {
     std::uint32_t camera_id = 0, number = 0;
     double t_capture_s = 0;
     std::uint64_t place : 62 = 0;  // offset of its block in the file
-    bool has_memory : 1 = false;   // has the stages' state: processing from here on gives the live results
+    bool has_memory : 1 = false;   // has the stages' state: processing from here reproduces the live results
     bool is_whole : 1 = true;      // the frame has its image
   };
   static_assert(sizeof(Entry) == 24, "there may be many");

@@ -23,8 +23,9 @@
 namespace sslv {
 namespace {
 
-/// Writeback starts at this number of unwritten bytes in the page cache; at most twice as many are unwritten.
-/// More would evict the pages of other programs, and a slow disk would then block the writer for long.
+/// Writeback starts at this number of unwritten bytes in the page cache, which therefore holds at most twice
+/// that number. More would evict the pages of other programs, and a slow disk would then block the writer for
+/// long.
 constexpr std::uint64_t kMaxUnwrittenBytes = 32ULL << 20U;
 
 std::span<const std::byte> bytes_of(const std::string& text) {
@@ -121,8 +122,8 @@ struct ClipWriter::File {
     written = handed_on;
     handed_on = size;
   }
-  /// Throws on errors of the disk, which the kernel reports only once. On file systems that do not support
-  /// ranges, the sync in finish() is enough.
+  /// Throws on disk errors, which the kernel reports only once. On file systems that do not support ranges,
+  /// the sync in finish() is enough.
   void sync_range(std::uint64_t begin, std::uint64_t count, unsigned how) const {
     if (::sync_file_range(fd, static_cast<off_t>(begin), static_cast<off_t>(count), how) == 0) return;
     if (errno == EIO || errno == ENOSPC || errno == EDQUOT) fail();

@@ -34,7 +34,7 @@ class ClipWriter {
   /// image.
   void add(const ClipFrame& frame);
   void add(const ClipEvent& event);
-  /// Notes that the clip lacks this number of processed frames of a camera.
+  /// Records that the clip lacks this number of a camera's processed frames.
   void note_missing(std::uint32_t camera_id, std::uint64_t frames);
 
   /// Writes index and trailer, and syncs file and folder to the disk.

@@ -274,9 +274,8 @@ ImageRing::Extent ImageRing::extent() const noexcept {
   }
 }
 
-/// Makes space for a block at these bytes: removes the oldest frames that overlap them, that lie after at_ if
-/// the ring wraps (`from_the_start`), or that occupy a slot which is needed. False if the keeper holds such a
-/// frame.
+/// Frees these bytes for a block: removes the oldest frames that overlap them, that lie after at_ if the ring
+/// wraps (`from_the_start`), or that occupy the needed slot. False if the keeper holds one of these frames.
 bool ImageRing::make_room(std::size_t begin, std::size_t bytes, bool from_the_start) noexcept {
   for (std::uint64_t oldest = head().begin.load(std::memory_order_relaxed);
        oldest != head().end.load(std::memory_order_relaxed); ++oldest) {

@@ -14,7 +14,7 @@
 
 namespace sslv {
 
-/// The memory was read before, by a process that crashed meanwhile.
+/// A process already read this memory, and then crashed.
 struct RingWasRead : ClipError {
   RingWasRead() : ClipError("a service that read it crashed") {}
 };
@@ -28,20 +28,20 @@ struct RingWasRead : ClipError {
 /// frames. The destructor empties the file.
 class ImageRing {
  public:
-  /// Allocates and populates all memory (.5 s per GB), so that the camera's thread causes no page faults
+  /// Allocates and populates all memory (0.5 s per GB), so that the camera's thread causes no page faults
   /// later. Throws std::system_error if there is not enough memory, or if `stop` is requested.
   explicit ImageRing(std::size_t bytes, const std::stop_token& stop = {});
   /// Opens the memory of a crashed process, for a keeper; no camera adds frames to it. Any part may be
   /// damaged; damaged parts are left out. Memory can be opened only once: if reading it crashes the service,
-  /// the next run does not read it again. Throws RingWasRead, and ClipError if `left` is not such memory, if
-  /// another version wrote it, or if its process ended normally.
+  /// the next run does not read it again. Throws RingWasRead, and ClipError if `left` is not the memory of an
+  /// ImageRing, if another version wrote it, or if its process ended normally.
   explicit ImageRing(OpenFile left);
   ~ImageRing();
   ImageRing(const ImageRing&) = delete;
   ImageRing& operator=(const ImageRing&) = delete;
 
-  /// For a crashed process's memory: allows it to be opened once more, with all frames. The destructor then
-  /// does not empty the memory.
+  /// For a crashed process's memory: allows the memory to be opened once more, with all frames. The
+  /// destructor then does not empty the memory.
   void put_back() noexcept;
   bool is_put_back() const { return is_put_back_; }
 

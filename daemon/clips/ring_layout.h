@@ -2,8 +2,8 @@
 #pragma once
 
 // Memory layout of an ImageRing: head, slots, blocks, and after them setups, which are not mapped. Frames and
-// setups are clip blocks (clip_format.h), but without the checksum of a frame's payload, which would cost the
-// camera's thread time.
+// setups are clip blocks (clip_format.h), but without the checksum of a frame's payload, because computing it
+// would delay the camera's thread.
 
 #include "clips/clip_format.h"
 

@@ -12,8 +12,8 @@ namespace sslv {
 namespace {
 
 constexpr std::size_t kMaxBallSpots = 600;
-// Limits on a ball's chromaticity. Printed orange has .64 red, .29 green and .07 blue, but balls have
-// highlights, and cameras see them paler.
+// Limits on a ball's chromaticity. Printed orange has 0.64 red, 0.29 green and 0.07 blue, but balls have
+// highlights, and cameras record them paler.
 constexpr double kMinRed = 0.38, kMaxBlue = 0.27, kMinGreenPerRed = 0.15;
 constexpr double kMaxGreenPerRed = 0.75, kOfYellows = 0.9;
 // A clipped red channel, for example of a ball under a lamp, was brighter in reality, so more green per red
@@ -23,8 +23,8 @@ constexpr double kWornCarpetAlike = 0.1;  // distance of chromaticities
 /// Largest shift of worn or shiny carpet from its chromaticity (0) towards white (1).
 constexpr double kMaxWorn = 0.8;
 constexpr double kMinBallR2 = 0.6, kMaxRadiusOff = 0.25, kMinClear = 0.4, kMinVisible = 0.9;
-/// Largest ratio of an outline's harmonics to 3.5 % of the radius combined with their standard deviation.
-/// Cones and hands have more; balls in difficult halls have up to 1.9.
+/// Largest ratio of an outline's harmonics to the root sum of squares of 3.5 % of the radius and the
+/// harmonics' standard deviation. Cones and hands exceed it; balls in difficult halls reach up to 1.9.
 constexpr double kMaxOutOfRound = 2, kRoundShare = 0.035;
 /// Upper limit of BallFitter::rectangle_gain(), which is negative for balls and larger for tape.
 constexpr double kMaxLikeTape = -0.05;
@@ -101,7 +101,8 @@ std::vector<SeenBall> find_balls(const BallSearch& b) {
   const auto in_white_light = [&](const Color3& color) {
     return Color3(color.cwiseQuotient(b.white_chromaticity));
   };
-  // Tests the colour as seen and as corrected to white light, because the white chromaticity is not exact.
+  // Tests both the measured colour and the colour corrected to white light, because the white chromaticity is
+  // not exact.
   const auto is_ball_colored = [&](const Color3& color) {
     const double most = color[0] < kClippedRed ? kMaxGreenPerRed : kMaxGreenPerClippedRed;
     const auto limit = [&](const Color3& yellow) {

@@ -31,8 +31,8 @@ struct BallSearch {
   std::optional<Color3> ball_chromaticity;  // from samples that the user pointed at
 };
 
-/// Finds balls: round, of the ball's size, on carpet, on the field, and of one warm colour, redder than
-/// yellow. If the balls found have several colours, only balls of the likeliest colour are returned.
+/// Finds round objects of the ball's size that lie on the field's carpet and have one warm colour, redder
+/// than yellow. If the balls found have several colours, only balls of the likeliest colour are returned.
 std::vector<SeenBall> find_balls(const BallSearch& search);
 
 }  // namespace sslv

@@ -49,7 +49,7 @@ Color3 print_contrast(Label label, const Color3& gains) {
   return (print_color(label) - print_color(label::kBlack)).cwiseProduct(gains);
 }
 
-/// Brightness of the light on each robot, and contrast of the dots in it.
+/// Brightness of the light on each robot, and contrast of the robot's dots in that light.
 class RobotLights {
  public:
   struct LitDot {
@@ -253,8 +253,7 @@ class Learner {
     }
   }
 
-  /// Adds samples for labels that were not seen, and for seen labels in light levels in which they were not
-  /// seen.
+  /// Adds samples for unseen labels, and for seen labels at light levels at which they were not seen.
   void predict() {
     if (balls_.empty()) {
       sightings_.unseen.push_back(label::kOrange);
@@ -268,7 +267,7 @@ class Learner {
       out_.samples.push_back(sample);
       std::erase(sightings_.unseen, sample.label);
     }
-    // A prediction that looks like a colour that was seen is dropped.
+    // Drops predictions that look like a seen colour.
     constexpr double kTooAlike = 0.1;  // distance of chromaticities
     std::erase_if(sightings_.unseen, [&](Label label) {
       Color3 predicted = Color3::Zero();
@@ -323,8 +322,8 @@ class Learner {
   }
 
   void make_table() {
-    // The noise that a table allows for is also the allowed difference between colours. If detectors were not
-    // sure of the dots from which the table was learnt, the table is too narrow.
+    // The noise that a table allows for is also the allowed difference between colours. The table is too
+    // narrow if it does not clearly name the dots from which it was learnt.
     constexpr double kMinNoiseGrey = 6, kWider = 1.6;
     constexpr int kWidths = 3;
     std::size_t best = 0;
@@ -373,8 +372,8 @@ class Learner {
       for (const Color3& one : all) mean += one / static_cast<double>(all.size());
       double square = 0;
       for (const Color3& one : all) square += (one - mean).squaredNorm() / static_cast<double>(all.size());
-      // Robots of other makers may be missing among the robots learnt from. A label that was not seen at all
-      // may also differ from the usual print by the same amount.
+      // The images may show no robots of other makers. An unseen label may also differ from the usual print
+      // by the same amount.
       const double other_makers = label == label::kOrange ? 0.15 : 0.09;  // balls have highlights and shade
       const bool is_seen =
           std::find(sightings_.unseen.begin(), sightings_.unseen.end(), label) == sightings_.unseen.end();
@@ -437,7 +436,7 @@ class Learner {
     return count;
   }
 
-  /// Adds the robots, balls and samples that were used to the report.
+  /// Adds the used robots, balls and samples to the report.
   void describe() {
     for (std::size_t i = 0; i < robots_.size() && i < dots_.labels.size(); ++i) {
       const SeenRobot& seen = robots_[i];

@@ -20,10 +20,10 @@
 
 namespace sslv {
 
-/// Input of learn_colors(). Objects that it refers to must outlive the learning.
+/// Input of learn_colors(). Objects that it refers to must outlive the call.
 struct LearnTask {
   std::vector<ImageView> frames;  // frames of one camera, all of one size and format
-  /// Gives the field, the ball's radius, the height of the teams' patterns, and the calibration. Without a
+  /// Provides the field, the ball's radius, the height of the teams' patterns, and the calibration. Without a
   /// calibration a flat view from above is assumed, and its scale is estimated.
   const Scene& scene;
   const PatternTable& patterns;
@@ -81,12 +81,12 @@ struct LearntColors {
   std::size_t robots_of(Team team) const;
 };
 
-/// Learns a camera's colours from images of the game, without a person pointing at colours. Robots are found
-/// by their whole pattern of dots on black, whatever its colours; balls by their shape and by lying on the
-/// carpet. The colours of the dots form groups, which are named by comparing the differences between groups
-/// with the differences between prints. Colours missing in the images are predicted from the other colours,
-/// and a note says so. It never guesses: if robots are missing, or if the light does not allow colours to be
-/// distinguished, it returns a problem and no table. Throws nothing. Takes 1 to 2 s for three images of 5
+/// Learns a camera's colours from images of the game, without a person pointing at colours. Finds robots by
+/// their complete pattern of dots on black, in any colours, and balls by their shape and their position on
+/// the carpet. Groups the dots by colour, and names the groups by comparing the differences between groups
+/// with the differences between prints. Predicts colours missing in the images from the other colours, and
+/// adds a note. Never guesses: if robots are missing, or if the light does not allow colours to be
+/// distinguished, returns a problem and no table. Throws nothing. Takes 1 to 2 s for three images of 5
 /// megapixels.
 LearntColors learn_colors(const LearnTask& task);
 

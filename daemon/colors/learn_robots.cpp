@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kMaxDotSpots = 1500;
 constexpr int kMaxPasses = 4;
-// Quality that a pattern needs to be learnt from.
+// Minimum quality of a pattern for learning.
 constexpr double kMaxPatternRmsMm = 2.5, kMinPatternR2 = 0.45;
 /// Largest difference of the black around a robot's dots, as a share of the dots' contrast.
 constexpr double kMaxUnevenBlack = 0.45;
@@ -84,7 +84,7 @@ std::vector<double> scales_of(const ImageView& image, const CameraModel& camera,
   return out;
 }
 
-/// Keeps the best of robots that would overlap.
+/// Keeps only the best of overlapping robots.
 std::vector<SeenRobot> without_duplicates(std::vector<SeenRobot> found) {
   std::sort(found.begin(), found.end(),
             [](const SeenRobot& a, const SeenRobot& b) { return quality(a) > quality(b); });
@@ -191,7 +191,7 @@ CameraModel flat_camera(int width_px, int height_px, double mm_per_px) {
 }
 
 double find_scale(const RobotSearch& search) {
-  // A camera sees between 1.5 m and 14 m of a field, and a dot is four pixels wide at least.
+  // A camera sees between 1.5 m and 14 m of a field, and a dot is at least four pixels wide.
   constexpr double kMaxSeenMm = 14'000, kMinSeenMm = 1500, kMinPxPerMm = 0.08, kStep = 1.1;
   const double width = search.frames.empty() ? 0 : search.frames.front().width;
   const double least = std::max(kMinPxPerMm, width / kMaxSeenMm), most = width / kMinSeenMm;

@@ -43,13 +43,14 @@ struct RobotSearch {
   std::stop_token stop;
 };
 
-/// Finds robots by the geometry of their patterns alone: every dot is present, in its place, and brighter
-/// than one common black. `heights_mm`: possible heights of robots' tops, searched one after the other.
+/// Finds robots by the geometry of their patterns alone: every dot must be present, in its place, and
+/// brighter than one common black. `heights_mm`: possible heights of robots' tops, searched one after the
+/// other.
 std::vector<SeenRobot> find_patterns(const RobotSearch& search, const CameraModel& camera,
                                      std::span<const double> heights_mm);
 
-/// Like find_patterns(), but without a calibration, at about the given scale, because lenses change the scale
-/// over the image. Poses refer to flat_camera().
+/// Like find_patterns(), but without a calibration. Searches around the given scale, because lenses change
+/// the scale across the image. Poses refer to flat_camera().
 std::vector<SeenRobot> find_patterns_flat(const RobotSearch& search, double mm_per_px);
 
 /// A camera that looks straight down from far above, so that only its scale matters.

@@ -13,11 +13,11 @@ class LightAreas {
   static constexpr int kColumns = 8, kRows = 6;
   static constexpr std::size_t kCount = std::size_t{kColumns} * kRows;
 
-  /// Adds a measurement: a robot shows this brightness of the area.
+  /// Adds a measurement of an area's brightness, made on a robot.
   void learn(std::size_t area, double here_log);
 
-  /// Brightness of an area; the mean of its neighbours until it is known. Areas far from all robots have 0,
-  /// the brightness of the whole image.
+  /// Brightness of an area. An area with few measurements is blended with the mean around it. Areas far from
+  /// all robots have 0, the brightness of the whole image.
   double log_of(std::size_t area) const;
   /// Change of log_of() since the area was first seen.
   double change_log_of(std::size_t area) const;

@@ -9,9 +9,9 @@
 namespace sslv {
 namespace {
 
-// A robot is confirmed if its pattern fits as well as this and every dot has the colour of its id.
+// Limits for a confirmed robot; each of its dots must also have the colour that belongs to the robot's id.
 constexpr double kMaxConfirmedRmsMm = 3, kMinConfirmedR2 = 0.4, kMinConfirmedMargin = 0.3, kMaxMovedMm = 10;
-/// From kMayBeClipped on a channel may be clipped; a contrast below kMinContrast is mostly noise.
+/// Channels at or above kMayBeClipped may be clipped; contrasts below kMinContrast are mostly noise.
 constexpr double kMayBeClipped = 245, kMinContrast = 8;
 /// Standard deviation (log) between dots of one colour, due to print, shade and blur.
 constexpr double kPrintSigma = 0.03;
@@ -19,7 +19,7 @@ constexpr double kPrintSigma = 0.03;
 /// dots that must have a reference.
 constexpr int kReferenceDots = 8;
 constexpr std::size_t kMinDots = 3;
-/// Dots needed to move a channel's balance: in bright dots the channel is clipped.
+/// Dots needed to adjust a channel's balance. Dots in which the channel is clipped do not count.
 constexpr std::size_t kMinOfChannel = 4;
 /// Share of the difference that each image corrects. Brightness follows fast, with noise smoothed; balance
 /// follows slowly.
@@ -28,8 +28,8 @@ constexpr double kFollowBrightness = 0.7, kFollowBalance = 0.2;
 constexpr std::size_t kMinRobotsForAreas = 3;
 /// Change of a gain or of an area (log) that requires a new table.
 constexpr double kTableStepLog = 0.05, kAreaStepLog = 0.07;
-/// A jump of the light is at least kMinJumpLog, and it is equal to within kAlikeLog in the share kAlikeShare
-/// of all areas.
+/// A jump of the light is at least kMinJumpLog, and at least the share kAlikeShare of all areas agrees with
+/// it to within kAlikeLog.
 constexpr double kMinJumpLog = 0.15, kAlikeLog = 0.12, kAlikeShare = 0.8;
 /// A busy computer processes few images, so the last confirmed robots may be seconds old.
 constexpr double kVanishedWithinS = 3, kTrialS = 2;
@@ -73,7 +73,7 @@ std::uint8_t luma_at(const ImageView& image, int x, int y) {
   return row[bytes_per_pixel(image.format) * x + (bytes_per_pixel(image.format) == 3 ? 1 : 0)];
 }
 
-/// Median luma of each area, most of which shows the floor.
+/// Median luma of each area. Most of an area shows the floor.
 template <std::size_t N>
 std::array<float, N> area_lumas(const ImageView& image) {
   constexpr int kPoints = 9;  // points in each direction
@@ -305,8 +305,8 @@ void LightFollower::learn_areas(const std::vector<Dot>& dots) {
   for (const Seen& seen : robots) areas_.learn(seen.area, areas_.log_of(seen.area) + seen.log - common);
 }
 
-/// If robots disappear at once while the floor becomes brighter or darker by one factor everywhere, a lamp or
-/// the camera's exposure has changed. The gain is then changed by that factor on trial.
+/// If robots suddenly disappear while the floor becomes brighter or darker by the same factor everywhere, a
+/// lamp or the camera's exposure has changed. Then changes the gain by that factor on trial.
 void LightFollower::try_carpet(const FollowLightParams& params, const Look& look, const AreaLuma& luma) {
   if (carpet_.trial) {
     if (look.time_s - carpet_.trial->began_s <= kTrialS) return;
@@ -336,7 +336,8 @@ void LightFollower::try_carpet(const FollowLightParams& params, const Look& look
   state_.from_carpet = true;
 }
 
-/// Limits the gain to the bounds. `bound` gets the user-readable name of the bound that was reached, if any.
+/// Limits the gain to the bounds. Sets `bound` to the user-readable name of the bound that was reached, if
+/// any.
 LightFollower::Log3 LightFollower::bounded(const FollowLightParams& params, Log3 gain,
                                            std::string& bound) const {
   const auto limit = [&](double wanted, double most, double max_per_min, const auto& of, const char* what) {

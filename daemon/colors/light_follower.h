@@ -92,12 +92,12 @@ struct LightStep {
 };
 
 /// Estimates how the light on a camera's field changes, from robots whose five dots all fit, and makes the
-/// colour table follow. It learns from nothing else: not from balls, regions or pixels outside a robot's
-/// pattern. A jump of the carpet's brightness only starts a short trial.
+/// colour table follow. It ignores balls, regions and pixels outside a robot's pattern. A jump of the
+/// carpet's brightness only starts a short trial.
 ///
 /// The reference contrast of a team's dots of one colour is determined from the first confirmed dots and then
-/// kept, so that nothing drifts. Later dots determine the light: one gain for each of red, green and blue,
-/// the median over all dots, and slowly also a brightness for each area of the image.
+/// kept, so that nothing drifts. Later dots determine the light: a gain each for red, green and blue (the
+/// median over all dots) and, more slowly, a brightness for each area of the image.
 ///
 /// Has no thread and reads no clock. A few images per second are enough.
 class LightFollower {
@@ -118,8 +118,8 @@ class LightFollower {
   /// table fits the light at that moment.
   void switch_off();
 
-  /// Makes a new table if the light has changed since the last one; otherwise null. Takes some tens of
-  /// milliseconds.
+  /// Makes a new table if the light has changed since the last table; otherwise returns null. Takes some tens
+  /// of milliseconds.
   std::shared_ptr<const Lut> new_table();
   const std::shared_ptr<const Lut>& table() const { return tables_.in_use; }
   const std::shared_ptr<const Lut>& accepted() const { return tables_.accepted; }

@@ -51,8 +51,8 @@ std::size_t nearest(const std::vector<Color3>& means, const SeenDot& dot) {
   return best;
 }
 
-/// Median chromaticity of the unclipped dots. If fewer than a third of the dots are unclipped: of the dimmest
-/// third, which is clipped least.
+/// Median chromaticity of the unclipped dots or, if fewer than a third of the dots are unclipped, of the
+/// dimmest third, which is clipped least.
 Color3 typical_shares(std::vector<const SeenDot*> dots) {
   const auto is_clipped = [](const SeenDot* dot) { return dot->color.maxCoeff() >= kClippedGrey; };
   const auto clipped = std::stable_partition(dots.begin(), dots.end(), std::not_fn(is_clipped));
@@ -94,7 +94,7 @@ double group_from(std::span<const SeenDot> colors, std::vector<Color3> starts, G
   return sum;
 }
 
-/// Best result of several runs, so that one odd colour does not make a group. Deterministic.
+/// Best result of several runs, so that one odd colour does not form a group. Deterministic.
 Groups group(std::span<const SeenDot> colors, std::size_t count) {
   constexpr int kRuns = 24;
   Groups best;
@@ -115,7 +115,7 @@ Groups group(std::span<const SeenDot> colors, std::size_t count) {
   return best;
 }
 
-/// Forms as many groups as are distinct, at most `most`.
+/// Forms the largest number of distinct groups, at most `most`.
 Groups distinct_groups(std::span<const SeenDot> colors, std::size_t most) {
   for (std::size_t count = std::min(most, colors.size()); count > 1; --count) {
     Groups out = group(colors, count);
@@ -144,8 +144,8 @@ Color3 expected_shares(Label label, const Color3& gains, std::span<const ColorSa
   return chromaticity_of(printed_contrast(label).cwiseProduct(gains));
 }
 
-/// Names as many groups as there are labels, by the differences between the groups, which a colour cast
-/// hardly changes. Empty if the differences do not match the labels' differences.
+/// For as many groups as labels: names the groups by their differences, which a colour cast hardly changes.
+/// Empty if the differences do not match the labels' differences.
 std::vector<Label> name_all(const std::vector<Color3>& means, std::span<const Label> labels,
                             std::span<const Color3> expected) {
   const std::size_t count = means.size();
@@ -176,8 +176,8 @@ std::vector<Label> name_all(const std::vector<Color3>& means, std::span<const La
   return out;
 }
 
-/// Names fewer groups than labels: each group must be clearly nearest to one label. Otherwise the result is
-/// empty.
+/// For fewer groups than labels: names each group by its nearest label. Empty if a label is not clearly the
+/// nearest, or is the nearest of two groups.
 std::vector<Label> name_some(const std::vector<Color3>& means, std::span<const Label> labels,
                              std::span<const Color3> expected) {
   std::vector<Label> out;
@@ -282,8 +282,8 @@ NamedDots name_dots(std::span<const SeenRobot> robots, const PatternTable& patte
     for (std::size_t i = 0; i < kind.names.size(); ++i) seen[kind.names[i]] = kind.groups.means[i];
     out.gains = gains_from(seen);
   };
-  // First names the kinds of dots whose colours are all present, because these give the gains that are needed
-  // to name a single group.
+  // First names the kinds of dots whose colours are all present, because these provide the gains needed to
+  // name a single group.
   for (Kind& kind : kinds) {
     kind.groups = distinct_groups(kind.colors, kind.labels.size());
     if (kind.groups.means.size() < kind.labels.size() || kind.labels.size() < 2) continue;

@@ -25,7 +25,7 @@ Color3 chromaticity_of(const Color3& contrast);
 inline constexpr double kCarpetAlike = 0.07;
 
 /// A dot's contrast to black. Clipped channels, which may have been brighter, are raised so that the contrast
-/// comes nearest to this chromaticity.
+/// best matches this chromaticity.
 Color3 unclipped_contrast(const SeenDot& dot, const Color3& chromaticity);
 
 /// The labels of robots' dots.

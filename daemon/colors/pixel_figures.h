@@ -18,7 +18,7 @@ struct PixelBox {
 };
 
 /// The cells of a rectangle, row by row: pixels, or the 2x2 quads of a Bayer image, with the labels that a
-/// table gives them.
+/// table assigns to them.
 struct PixelBlock {
   PixelBox box;  // the rectangle clipped to the image and grown to whole cells
   int cell_px = 1;

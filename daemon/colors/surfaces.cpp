@@ -21,7 +21,7 @@ constexpr double kFloorAlike = 0.06;     // distance of chromaticities
 constexpr double kMinFloorShare = 0.02;  // share of all places
 constexpr std::size_t kPlacesPerFrame = 120'000;
 
-/// Whether one colour may be the other colour in more or less light.
+/// Whether the two colours may be one colour in different light.
 bool goes_on(const Color3& here, const Color3& there) {
   const double length2 = there.squaredNorm();
   if (length2 < 1) return here.norm() < 12;

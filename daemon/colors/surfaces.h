@@ -89,22 +89,22 @@ class SurfaceColors {
 /// extends. Takes some tens of milliseconds per frame.
 SurfaceColors find_surfaces(const SurfaceSearch& search);
 
-/// Range of light, relative to the light in the frames, in which surfaces shall stay clear.
+/// Range of light, relative to the light in the frames, in which surfaces must stay clear.
 struct ClearRange {
   double darkest = 0.5, brightest = 1.6;
   double noise_sigmas = 2.5;  // how far pixels may scatter
 };
 
-/// Clears cells with colours that surfaces have, or would have in more or less light. Cells with colours of
-/// the carpet are cleared whatever their label, unless `keep` accepts the cell (a colour of its label that
-/// was seen on a robot or ball) and the cell's hue differs from the carpet's: blue in the shade is as dark as
-/// carpet in the shade, but still blue. Cells with colours of the floor or other surfaces are cleared unless
-/// `keep` accepts them: an orange board does not clear the ball's colour. Cells labelled field, white or
-/// black are kept. Returns the number of cells changed.
+/// Clears cells with colours that surfaces have, or would have in more or less light. Clears colours of the
+/// carpet regardless of their label, unless `keep` accepts the cell (its colour was seen with its label on a
+/// robot or ball) and the cell's hue differs from the carpet's: shaded blue is as dark as shaded carpet, but
+/// still blue. Clears colours of the floor and other surfaces unless `keep` accepts them, so an orange board
+/// does not clear the ball's colour. Keeps cells labelled field, white or black. Returns the number of cells
+/// changed.
 std::size_t clear_surfaces(ColorTable& table, const SurfaceColors& surfaces, const ClearRange& range,
                            const std::function<bool(Label, Yuv)>& keep);
 
-/// True for field, white and black, which surfaces may have.
+/// True for the labels that surfaces may have: field, white and black.
 bool is_surface_label(Label label);
 
 /// Whether a surface has a colour, or would have it in light within the range. The result holds no reference
@@ -128,7 +128,7 @@ inline constexpr double kFloodShare = 0.004;
 std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surfaces,
                                        const std::stop_token& stop = {});
 
-/// Whether margins differ by no more than noise and flicker change them from frame to frame.
+/// Whether the margins differ no more than they do between frames because of noise and flicker.
 bool about_same(std::span<const LabelMargin> a, std::span<const LabelMargin> b);
 
 /// Wanted minimum of all margins: lamps differ by that much over a field, and from day to day.
@@ -141,9 +141,9 @@ struct MinMargin {
   Label label;
   double change;  // relative change of the light: 0.09 is brighter, -0.09 darker
 };
-/// Returns nothing if no margin to the carpet has a limit. Margins to the floor do not count: robots and
-/// balls are on the carpet, so a floor with a label hides no robot or ball, and learning keeps the colours of
-/// dots even if the floor has these colours, too.
+/// Returns nothing if no margin to the carpet is within kMaxFactor. Margins to the floor do not count: robots
+/// and balls are on the carpet, so a floor with a label hides no robot or ball, and learning keeps the
+/// colours of dots even if the floor has these colours, too.
 std::optional<MinMargin> min_to_carpet(std::span<const LabelMargin> margins);
 /// "carpet becomes green at +9 %", or "carpet is green now".
 std::string margin_text(std::string_view surface, std::string_view label, double change);

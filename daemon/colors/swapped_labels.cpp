@@ -11,7 +11,7 @@ namespace {
 
 struct PaintHue {
   Label label;
-  double deg;  // angle of (U-128, V-128), as in ColorClass, of the paint in white light
+  double deg;  // hue of the paint in white light: angle of (U-128, V-128), as in ColorClass
 };
 constexpr std::array kPaints{PaintHue{label::kOrange, 128}, PaintHue{label::kYellow, 166},
                              PaintHue{label::kBlue, 329}, PaintHue{label::kPink, 74},

@@ -261,7 +261,7 @@ void apply(const SmoothEdit& edit, ColorTable& table, Brush& brush) {
   const CellBox of_label = box_of(table, edit.label);
   if (of_label.empty()) return;
   const CellBox box = of_label.grown(1, table.side());
-  std::vector<std::uint8_t> votes(box.size());  // number of the 27 cells around with the label
+  std::vector<std::uint8_t> votes(box.size());  // cells with the label in the 3 x 3 x 3 around each cell
   const auto row = static_cast<std::size_t>(box.row());
   std::size_t i = 0;
   for_cells(table, box,
@@ -374,7 +374,7 @@ void for_cells_of_cluster(const ColorTable& table, const ColorCluster& cluster, 
     }
   } else if (!cluster.pixels.empty()) {
     all = ellipsoid_of(cluster.pixels, min_variance);
-    // A single pixel stands for its whole cell.
+    // A single pixel represents its whole cell.
     if (cluster.pixels.size() == 1) {
       const Cell cell = cell_of(table, {cluster.pixels[0].y, cluster.pixels[0].u, cluster.pixels[0].v});
       all.mean = Eigen::Vector3d(cell.y, cell.u, cell.v) * step + Eigen::Vector3d::Constant((step - 1) / 2.0);

@@ -18,7 +18,7 @@
 namespace sslv {
 
 // Edits of a table. Colours and radii are in 8-bit levels, ordered y, u, v, independently of the table's
-// number of bits. A colour stands for the cell that contains it, and a radius counts from the middle of that
+// number of bits. A colour denotes the cell that contains it; radii are measured from the middle of that
 // cell.
 
 using Levels = std::array<int, 3>;  // y, u, v
@@ -85,21 +85,21 @@ struct AddClusterEdit {
   Label label;
   ColorCluster cluster;
   Over over = Over::kAny;
-  /// Clear cells of these colours stay clear; empty: no such colours. Has no effect if all cells of the
-  /// cluster have such colours, because then the user pointed at exactly such a colour.
+  /// Clear cells of these colours stay clear; empty: none. Ignored if all cells of the cluster have these
+  /// colours, because the user then pointed at one of them on purpose.
   SurfaceReach stays_clear = {};
 };
 struct RemoveClusterEdit {
   std::optional<Label> only = {};  // none: any label
   ColorCluster cluster;
 };
-/// Clears the cells whose colours carpet and floor have, or would have in light within the range. Cells whose
-/// colour is typical of their label are not cleared because of the floor or other surfaces.
+/// Clears the cells with colours that carpet and floor have, or would have in light within the range. Cells
+/// whose colour is typical of their label are not cleared because of the floor or other surfaces.
 struct WidenMarginsEdit {
   std::shared_ptr<const SurfaceColors> surfaces;
   ClearRange range = {};
 };
-/// Replaces the table by another table with the same number of bits, which was learnt, imported or copied.
+/// Replaces the table by a learnt, imported or copied table with the same number of bits.
 struct SetTableEdit {
   ColorTable table;
   std::string what;  // "imported robots.lut"
@@ -132,13 +132,13 @@ std::vector<CellRun> difference(const ColorTable& from, const ColorTable& to);
 struct TableConflict {
   Label a = 0, b = 0;       // a < b
   std::size_t cells = 0;    // number of cells next to a cell of the other label
-  std::vector<Yuv> places;  // the first such cells: middles of cells of `a`
+  std::vector<Yuv> places;  // middles of the first cells of `a` next to `b`
 };
 struct TableStatistics {
   std::array<std::size_t, label::kMaxCount> cells{};  // number of cells of each label
   std::vector<TableConflict> conflicts;               // largest conflict first
 };
-/// With up to `max_places` places for each pair. Field, white, black and clear cause no conflicts.
+/// Lists up to `max_places` places for each pair. Field, white, black and clear cause no conflicts.
 TableStatistics table_statistics(const ColorTable& table, std::size_t max_places = 50);
 
 }  // namespace sslv

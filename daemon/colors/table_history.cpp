@@ -10,7 +10,7 @@ std::size_t bytes_of(const TableStep& step) {
   return sizeof(step) + step.what.size() + step.who.size() + step.changes.size() * sizeof(CellRun);
 }
 
-/// Sets cells of the run that hold `from` to `to` and appends them to `changed`.
+/// Changes the run's cells with label `from` to label `to`, and appends them to `changed`.
 void set_cells(ColorTable& table, const CellRun& run, Label from, Label to, std::vector<CellRun>& changed) {
   for (std::uint32_t cell = run.begin; cell < run.begin + run.length; ++cell) {
     if (table.labels[cell] != from) continue;

@@ -12,7 +12,7 @@
 
 namespace sslv {
 
-/// A change made to a table, and by whom.
+/// A change to a table, and its author.
 struct TableStep {
   std::string what, who;
   std::int64_t time_us = 0;  // Unix time

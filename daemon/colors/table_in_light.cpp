@@ -15,7 +15,7 @@ namespace {
 constexpr int kSide = 1 << Lut::kBits, kCellLevels = 256 >> Lut::kBits;
 /// From this level on, a channel may be clipped, considering noise.
 constexpr float kClipped = 248;
-/// No camera gives colours further outside the RGB cube than this.
+/// No camera delivers colours further outside the RGB cube than this.
 constexpr float kFarOut = 24;
 /// Factor between the light levels in which colours are looked up: tables tolerate a larger factor.
 constexpr double kAreaStep = 1.2;
@@ -115,9 +115,9 @@ class Past {
   }
 
   /// The label of a colour with clipped channels, by a vote of all colours that it may have been without
-  /// clipping. One vote is enough for a print's label if "clear" has the most votes of the labels that no
-  /// print has. If field, white or black has the most of these votes, or if all three channels are clipped,
-  /// as in white, the print's label needs more votes than the leader.
+  /// clipping. One vote is enough for a print's label if "clear" leads among the other labels. If field,
+  /// white or black leads, or if all three channels are clipped, as in white, the print's label needs more
+  /// votes than the leader.
   Label label_of_full(const Color& current) const {
     constexpr std::array<std::size_t, 4> kSteps{1, 6, 5, 4};  // by the number of clipped channels
     Color then;

@@ -21,8 +21,8 @@ struct LightChange {
 /// The table as it would be if it had been made in the current light: a colour gets the label that the same
 /// object had when the table was accepted. Works with every table, because only the table's cells are used.
 ///
-/// Three effects are more than a change of scale. A clipped channel may have been brighter by any amount, so
-/// the labels of all possible colours vote. If areas differ in light, a label found in the light of any area
+/// Three effects go beyond a change of scale. A clipped channel may have been brighter by any amount, so the
+/// labels of all possible colours vote. If areas differ in light, a label found in the light of any area
 /// counts, average light first, but cells labelled field, white or black keep their label. In weak light
 /// noise stays as strong while colours move closer together, so the labels of prints grow into clear cells by
 /// the amount that the scaling removed, up to two cells. Prints change with the light's colour.

@@ -20,7 +20,7 @@ namespace sslv {
 
 namespace {
 
-/// A tile may be part of a camera of any other row.
+/// A tile may be part of a camera of any other backend.
 Backend tile_of_backends() {
   return {
       "tile",

@@ -58,7 +58,7 @@ void rename_light_limits(Json& tree) {
     Json& light = camera["follow_light"];
     if (!light.is_object()) continue;
     for (const auto& [old_name, new_name] : kNames) {
-      // A tree with both keys is refused by validation.
+      // Validation refuses a tree with both keys.
       if (!light.contains(old_name) || light.contains(new_name)) continue;
       Json value = std::move(light[old_name]);
       light.erase(old_name);
@@ -67,8 +67,7 @@ void rename_light_limits(Json& tree) {
   }
 }
 
-/// Other computers are used for tracks only if they are named. The earlier setting, all or none, names no
-/// computer.
+/// Only named computers contribute to the tracks now. The earlier setting (all or none) named no computer.
 void name_other_computers(Json& tree) {
   if (!tree.is_object() || !tree.contains("field") || !tree["field"].is_object()) return;
   Json& field = tree["field"];
@@ -76,14 +75,14 @@ void name_other_computers(Json& tree) {
     field["other_computers"] = Json::array();
 }
 
-/// The memory of the cameras' newest images (last_seconds) can no longer hold only parts of images.
+/// The buffer of the cameras' newest images (last_seconds) no longer supports partial images.
 void keep_whole_images(Json& tree) {
   const Json::json_pointer images("/recording/last_seconds/images");
   if (tree.is_object() && tree.contains(images) && tree[images] == "found") tree[images] = "whole";
 }
 
-/// Removes a width of 0: settings are stored with all keys, so 0 is the old default, and every field in the
-/// rules has such an area.
+/// Removes a width of 0: settings are stored with all keys, so 0 is the old default; in the rules, every
+/// field has this area.
 void forget_missing_substitution_area(Json& tree) {
   const std::string key = "goal_substitution_area_width";
   if (!tree.is_object() || !tree.contains("field") || !tree["field"].is_object()) return;
@@ -158,8 +157,8 @@ Json complete_settings(const Json& settings) {
 
 namespace {
 
-/// Adds the names and parameters of a table's stages to the schema, which so far allows any texts and objects
-/// there.
+/// Adds the names and parameters of a table's stages to the schema, which until then allows any texts and
+/// objects.
 template <class Floor>
 void add_stages(std::span<const BasicStageType<Floor>> table, Json& of_stack, Json& of_stages) {
   of_stages["additionalProperties"] = false;
@@ -224,7 +223,7 @@ CameraContext make_context(const Config& config, std::size_t i, std::shared_ptr<
   }
 
   if (patterns) {
-    // The caller has them already.
+    // The caller passed them.
   } else if (config.patterns_file.empty()) {
     patterns = std::shared_ptr<const PatternTable>(&league_patterns(), [](const PatternTable*) {});
   } else {

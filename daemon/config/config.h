@@ -194,8 +194,8 @@ Json complete_settings(const Json& settings);
 /// JSON Schema (2020-12) of the tree, with the stages' and backends' own parameters.
 Json settings_schema();
 
-/// Returns the ball model of the settings, in the tracker's units (mm, s); the league's usual values if they
-/// have none.
+/// Returns the ball model of the settings, in the tracker's units (mm, s); the league's usual values if the
+/// settings have none.
 BallModel ball_model_of(const Config& config);
 
 /// Returns the colour table that the service saved under a name; null: use the other colour settings. Throws

@@ -37,7 +37,8 @@ bool is_named(const Config& config, const std::string& name) {
          std::ranges::any_of(config.cameras, [&](const CameraSettings& camera) { return has(camera); });
 }
 
-/// Whether the settings have parameters that a stage refuses for this reason, which contains their path.
+/// Whether a stage refuses parameters of the settings for the reason `why`, which contains the parameters'
+/// path.
 bool is_refused(const Config& config, const std::string& why) {
   const auto has = [&](const RunningStack& running) {
     return std::ranges::find(running.refused, why, &RefusedStage::why) != running.refused.end();

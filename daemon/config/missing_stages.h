@@ -13,7 +13,7 @@ namespace sslv {
 /// either". Empty if all stages run.
 std::string missing_text(const RunningStack& running);
 
-/// Instructions for an admin; with the libraries that were left out, and the reason for each.
+/// Instructions for an admin, with the libraries that were left out and the reason for each.
 std::string missing_fix(const RunningStack& running);
 
 /// Throws SettingsError if `next` has a stage, in a stack or with parameters, that is missing or refuses its

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// TABLES stage name -> type. To add a stage: a class in vision/ (of the field: in tracking/), a row here
+// TABLES stage name -> type. To add a stage: a class in vision/ (for a field stage: in tracking/), a row here
 // (docs/extending.md).
 #include "config/stages.h"
 
@@ -42,11 +42,11 @@ constexpr std::chrono::milliseconds kMaxLoading{8000}, kMaxStarting{10'000}, kMi
 
 struct Outside {
   StageRows rows;
-  std::vector<OwnPartType> parts;  // by place; both tables share the places: a library has one per part
+  std::vector<OwnPartType> parts;  // by place; each part has one place, shared by both tables
   std::map<std::size_t*, std::string> places;
   std::vector<LeftOutLibrary> left_out;
   MissingStages missing = MissingStages::kRefused;
-  std::atomic<bool> is_used{false};                 // nothing can be added any more
+  std::atomic<bool> is_used{false};                 // no more stages can be added
   std::unique_ptr<sandbox::Supervisor> supervisor;  // null: no stage runs in a separate process
 };
 Outside& outside() {

@@ -12,7 +12,7 @@
 namespace sslv {
 
 /// A camera's calibration with the names, units and convention of SSL_GeometryCameraCalibration:
-/// q = (x, y, z, w) rotates field to camera, t in mm in the camera's frame, the camera looks along +z.
+/// q = (x, y, z, w) rotates field to camera, t is in mm in the camera's frame, and the camera looks along +z.
 struct CameraCalibration {
   double focal_length = 600;  // px
   double principal_point_x = 0, principal_point_y = 0;

@@ -121,8 +121,9 @@ inline constexpr std::array<Choice<LinesMeasured>, 2> kLinesMeasuredChoices{
 /// Converts the sizes to the rules' convention: from middle to middle of the lines.
 FieldSize measured_to_middle(FieldSize field, LinesMeasured measured);
 
-/// Whether a robot centred at (x, y) is entirely in the substitution area behind the goal line at +x (else at
-/// -x) and not in the goal. The game controller (2026) does not count a team's robots behind its own goal.
+/// Whether a robot centred at (x, y) is entirely in the substitution area behind the goal line, and not in
+/// the goal. The goal line is at +x if `at_positive_x`, otherwise at -x. The game controller (2026) does not
+/// count a team's robots behind its own goal.
 bool waits_behind_goal(const FieldSize& field, bool at_positive_x, double x_mm, double y_mm);
 
 /// Throws SettingsError, its message starting with `path`, if names of lines and arcs are empty, too long or

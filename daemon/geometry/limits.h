@@ -17,10 +17,10 @@ inline constexpr double kMaxRobotHeightMm = 1000, kMinAboveRobotMm = 150;
 /// Smallest height of a camera above the floor; largest distance of a camera from the field's centre.
 inline constexpr double kMinCameraMm = 300, kMaxCameraMm = 100'000;
 
-/// Largest time in a packet (Unix s, or s since the sender's computer started): some thousand years.
+/// Largest time in a packet (Unix s, or s since the sender's computer started): about 3000 years.
 inline constexpr double kMaxTime_s = 1e11;
 
-/// Robots in an image, in a packet and in the tracks: twice as many as play.
+/// Robots in an image, in a packet and in the tracks: twice the number of robots that play.
 inline constexpr std::size_t kMaxRobots = 64;
 /// Balls in an image's detections. Robots and balls together fit into a datagram.
 inline constexpr std::size_t kMaxBalls = 1024;
@@ -29,7 +29,7 @@ inline constexpr std::size_t kMaxFieldBalls = 64;
 /// Cameras tracked together, and cameras sent by one other computer.
 inline constexpr std::size_t kMaxCameras = 32;
 /// kMaxComputers: other computers named in the settings; also the limit for listed computers that are not
-/// named. kMaxUnnamedCameras: cameras of all computers together that are not named.
+/// named. kMaxUnnamedCameras: cameras of all unnamed computers together.
 inline constexpr std::size_t kMaxComputers = 16, kMaxUnnamedCameras = 64;
 
 }  // namespace sslv::limits

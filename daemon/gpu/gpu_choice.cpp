@@ -52,7 +52,7 @@ void GpuChoice::took(bool by_gpu, const LabelCost& cost, TimePoint now) {
     return;
   }
   if (now - measured_at_ >= kEvery) return measure_again();
-  // A GPU that is not faster is used only because the admin requires it: do not watch its times.
+  // The admin requires this GPU although it is not faster: do not watch its times.
   if (!by_gpu || !measured_->gpu_is_faster()) return;
   slow_ += cost.time > measured_->cpu.time ? 1 : 0;
   if (++watched_ < kWatched) return;

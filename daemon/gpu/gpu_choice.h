@@ -21,13 +21,13 @@ struct LabelCost {
 class GpuChoice {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
-  /// Measured images per side. Before these, kWarmUp images with cold caches are not counted.
+  /// Measured images per side. The kWarmUp images before these, with cold caches, are not counted.
   static constexpr std::size_t kImages = 20, kWarmUp = 2;
   /// Measure again if more than half of this many GPU images took longer than the CPU's median.
   static constexpr std::size_t kWatched = 64;
   static constexpr std::chrono::hours kEvery{1};
-  /// The GPU wins only below this fraction of the CPU's time; otherwise nearly equal times would change the
-  /// choice with each measurement.
+  /// The GPU wins only below this fraction of the CPU's time; otherwise the choice between nearly equal times
+  /// would change with each measurement.
   static constexpr double kGain = 0.9;
 
   struct Measured {

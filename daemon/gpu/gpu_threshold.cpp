@@ -46,7 +46,7 @@ void copy_rows(const ImageView& view, std::size_t row_bytes, const GroupedImage&
   }
 }
 
-/// Copies the labels inside the mask, or all without one.
+/// Copies the labels inside the mask; without a mask, all labels.
 void copy_labels(const Mask* mask, const std::uint8_t* in, std::size_t in_row, LabelImage& labels) {
   for (int y = 0; y < labels.height; ++y, in += in_row) {
     Label* row = labels.row(y);

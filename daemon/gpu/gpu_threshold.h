@@ -38,8 +38,8 @@ class GpuThreshold {
     kCompute,   // OpenGL ES 3.1
     kFragment,  // OpenGL ES 3.0
   };
-  /// Durations of the steps for one image. Measuring waits between the steps, so their sum is longer than an
-  /// unmeasured image takes.
+  /// Durations of the steps for one image. A measurement waits between the steps, so their sum exceeds the
+  /// time of an unmeasured image.
   struct Steps {
     std::chrono::nanoseconds upload, shader, read_back;
   };
@@ -62,8 +62,8 @@ class GpuThreshold {
                Steps* steps = nullptr) noexcept {
     return process(table_for(lut, image.view().format), &mask, image.view(), labels, steps);
   }
-  /// The same with the `table` for the image's format. Without a mask, labels the whole image. With `rows`,
-  /// reads the image's rows as they become available.
+  /// Like process() above, but with the `table` for the image's format. Without a mask, labels the whole
+  /// image. With `rows`, reads the image's rows as they become available.
   bool process(const TableView& table, const Mask* mask, const ImageView& view, LabelImage& labels,
                Steps* steps = nullptr, const RowsThere* rows = nullptr) noexcept;
 

@@ -49,7 +49,8 @@ std::chrono::nanoseconds this_threads_cpu_time() {
 void copy_rows_to(std::uint8_t* out, std::ptrdiff_t out_stride, const ImageView& image, RowsThere& there) {
   const std::size_t row_bytes =
       static_cast<std::size_t>(image.width) * static_cast<std::size_t>(bytes_per_pixel(image.format));
-  // A band is large enough to keep the other thread busy, and small enough not to let it wait.
+  // A band is large enough to keep the other thread busy, and small enough that the other thread does not
+  // wait.
   constexpr std::ptrdiff_t kBandBytes = 64 << 10;
   const int band = static_cast<int>(std::max<std::ptrdiff_t>(1, kBandBytes / out_stride));
   for (int begin = 0; begin < image.height; begin += band) {
@@ -75,7 +76,7 @@ struct GpuWorker::Shared {
 
   /// `turn` selects the thread that may access the request.
   struct Request {
-    Work work;                          // work that is prepared or to be prepared
+    Work work;                          // prepared work, or work to prepare
     Work unfit;                         // work that could not be prepared
     std::vector<std::uint8_t> image{};  // rows in the GPU's layout
     std::ptrdiff_t stride_bytes = 0;
@@ -188,7 +189,7 @@ std::string GpuWorker::Shared::prepare(ThresholdDevice& device) {
       .bits = work.table_bits,
       .labels = request.table};
   request.rows.set(work.height);
-  // The second call runs with everything prepared.
+  // By the second call, everything is prepared.
   bool is_made = true;
   for (int i = 0; i < 2 && is_made; ++i)
     is_made = device.process(request.table_view, copy_of_image(), request.rows, request.labels);

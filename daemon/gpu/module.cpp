@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The library gpu_threshold.so, which the service loads where the package ssl-visiond-gpu is installed.
+// The library gpu_threshold.so, which the service loads if the package ssl-visiond-gpu is installed.
 #include "gpu/gpu_threshold_stage.h"
 #include "kit/stages.h"
 

@@ -12,7 +12,7 @@
 
 namespace sslv {
 
-/// Labels images instead of the CPU, for one thread that may wait: a GPU, or a test's fake.
+/// Labels images instead of the CPU: a GPU, or a fake in tests. Used by one thread, which may wait.
 class ThresholdDevice {
  public:
   virtual ~ThresholdDevice() = default;

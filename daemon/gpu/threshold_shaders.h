@@ -7,9 +7,9 @@
 
 namespace sslv {
 
-// Both paths label groups of 16 cells of one row. A group's bytes are whole texels of 16 bytes, four words
-// each, and so are its labels. Words are little-endian, as on the CPU. All arithmetic is in integers, so that
-// every GPU gives the CPU's results.
+// Both paths label groups of 16 cells of one row. A group's pixels and its labels each fill whole texels of
+// 16 bytes (four words). Words are little-endian, as on the CPU. All arithmetic is in integers, so that every
+// GPU gives the CPU's results.
 inline constexpr int kCellsAGroup = 16, kTexelBytes = 16;
 
 /// Texels of a group in one image row.
@@ -25,7 +25,7 @@ constexpr int rows_a_cell(PixelFormat format) {
 inline constexpr int kWorkGroup = 128;
 /// Bindings of the shader storage buffers.
 inline constexpr int kImageBuffer = 0, kTableBuffer = 1, kLabelBuffer = 2;
-/// Words of a table per row of its texture: the smallest maximum width that every GPU supports.
+/// Words of a table per row of its texture: the largest texture width that every GPU supports.
 inline constexpr int kTableTextureWidth = 2048;
 
 /// GLSL ES 3.10, over buffers. Uniforms: group_count, groups_a_row. The table has `bits` per channel.

@@ -109,7 +109,7 @@ std::vector<CoreTicks> read_core_ticks(std::string_view proc_stat) {
     std::istringstream words(line);
     std::string name;
     words >> name;
-    constexpr int kIdle = 3, kWaiting = 4, kKinds = 8;  // later guest ticks are part of the user ticks
+    constexpr int kIdle = 3, kWaiting = 4, kKinds = 8;  // guest ticks follow; user ticks include them
     CoreTicks& core = cores.emplace_back();
     std::uint64_t ticks = 0;
     for (int kind = 0; kind < kKinds && words >> ticks; ++kind) {

@@ -58,7 +58,7 @@ class Timeline {
   mutable std::mutex mutex_;
   std::deque<double> times_s_;     // on the steady clock
   double ahead_s_ = 0;             // offset from steady to Unix time
-  std::map<int, Camera> cameras_;  // each has as many seconds as times_s_
+  std::map<int, Camera> cameras_;  // `seconds` of each camera has the length of times_s_
 };
 
 }  // namespace sslv

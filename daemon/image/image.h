@@ -65,7 +65,7 @@ class Image {
   using Release = void (*)(void* owner, void* buffer) noexcept;
 
   Image() = default;
-  /// Calls release(owner, buffer) in the end; `view` lies in the buffer.
+  /// The destructor calls release(owner, buffer). `view` lies in the buffer.
   Image(const ImageView& view, void* owner, void* buffer, Release release)
       : view_(view), owner_(owner), buffer_(buffer), release_(release) {}
   /// Leaves `other` without an image.

@@ -189,7 +189,7 @@ void JpegEncoder::reserve_jpeg(int width, int height, int subsampling) {
 }
 
 /// Each result is the mean of a box of whole pixels; boxes do not overlap. The rows of a box are summed
-/// first, byte by byte whatever the channel, so that the compiler can vectorise it.
+/// first, byte by byte regardless of the channel, so that the compiler can vectorise the sum.
 template <class Row>
 void JpegEncoder::shrink(Row&& row, int row_bytes, int height, int out_height,
                          std::span<const Channel> channels) {

@@ -20,8 +20,8 @@ class JpegDecoder {
   JpegDecoder& operator=(const JpegDecoder&) = delete;
 
   /// Size, stride and format that decode() will write; the data is null. The format is uyvy for images with
-  /// colour at half the width, as cameras send them, else rgb24. The size is 0, with the reason in `problem`,
-  /// if the bytes are not a JPEG or the image's size is not supported.
+  /// colour at half the width, which cameras usually send, otherwise rgb24. The size is 0, with the reason in
+  /// `problem`, if the bytes are not a JPEG or the image's size is not supported.
   ImageView layout(std::span<const std::uint8_t> jpeg, std::string& problem);
 
   /// Decodes the image of the last layout() call. Returns false, with the reason, if the image is damaged.

@@ -24,7 +24,7 @@ constexpr std::size_t bayer_color(PixelFormat format, int x, int y) {
 }
 
 /// Red, green and blue at pixel (x, y), which must lie in the image. Bayer: interpolated linearly between the
-/// nearest samples of each colour, so that nothing is shifted; mono: grey.
+/// nearest samples of each colour, so that the colours are not shifted; mono: grey.
 inline Rgb rgb_at(const ImageView& image, int x, int y) {
   const std::uint8_t* row = image.row(y);
   const auto yuv422 = [&](int luma, int u) {

@@ -27,7 +27,7 @@ struct Row {
   std::atomic<int> file{-1};
 };
 
-/// More than the number of image pools, of which each camera has one or two.
+/// More than the number of image pools; each camera has one or two.
 constexpr std::size_t kMaxRows = 64;
 std::array<Row, kMaxRows> rows;
 std::mutex rows_mutex;

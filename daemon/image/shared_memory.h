@@ -45,7 +45,7 @@ struct SharedPlace {
 /// image.
 std::optional<SharedPlace> shared_place(const std::uint8_t* bytes, std::size_t count) noexcept;
 
-/// Sets whether image buffers created from now on are in memory that other processes can read. Off at first,
+/// Sets whether image buffers created from now on are in memory that other processes can read. Initially off,
 /// because no other process reads images.
 void share_new_images(bool share);
 bool new_images_are_shared();

@@ -147,8 +147,8 @@ class Trial {
     return {{{is_closed_ ? -1 : answer_.fd(), POLLIN, 0}, {process_.fd(), POLLIN, 0}}};
   }
 
-  /// The remaining time; `begin` is the start of the test. Extended by the time for which the process waited
-  /// for a processor, at most to twice `within`, so that the service's start does not wait forever.
+  /// The remaining time of a test that started at `begin`. The time that the process waited for a processor
+  /// extends the limit, at most to twice `within`, so that the service's start is bounded.
   std::chrono::nanoseconds left(Clock::time_point begin, std::chrono::nanoseconds within) const {
     return begin + within + std::chrono::nanoseconds(process_.grace_ns(within.count())) - Clock::now();
   }
@@ -190,7 +190,7 @@ class Trial {
   bool is_closed_ = false;
 };
 
-/// Tests all libraries in parallel, so that a hanging library takes no time from the others. Moves faulty
+/// Tests all libraries in parallel, so that a hanging library does not delay the others. Moves faulty
 /// libraries to `left_out`.
 void try_all(std::vector<std::filesystem::path>& files, std::chrono::milliseconds within,
              std::vector<LeftOutLibrary>& left_out) {

@@ -38,7 +38,7 @@ extern template void check_row(const StageType& row);
 extern template void check_row(const FieldStageType& row);
 
 /// The stage libraries (*.so) of these folders, each once, in the same order on every computer. A missing
-/// folder has no libraries; an unreadable folder is added to `left_out`.
+/// folder counts as empty; an unreadable folder is added to `left_out`.
 std::vector<std::filesystem::path> stage_libraries(const std::vector<std::filesystem::path>& folders,
                                                    std::vector<LeftOutLibrary>& left_out);
 
@@ -46,10 +46,10 @@ std::vector<std::filesystem::path> stage_libraries(const std::vector<std::filesy
 /// StageLibraryError, and any exception of the library.
 StageRows load_rows(const std::filesystem::path& file);
 
-/// Loads the stage libraries of these folders; they stay loaded. Before, each library is tested: its stamp is
-/// read, and a child process loads the library and creates each of its stages once, so that exceptions,
-/// crashes and hangs happen in the child process. The libraries are tested in parallel within `within`, or
-/// twice `within` if other programs keep the processors busy. Call this before any thread starts.
+/// Loads the stage libraries of these folders; they stay loaded. Tests each library first: reads its stamp,
+/// and a child process loads the library and creates each of its stages once, so that exceptions, crashes and
+/// hangs happen in the child process. The libraries are tested in parallel within `within`, or twice `within`
+/// if other programs keep the processors busy. Call this before any thread starts.
 LoadedStages load_stages(const std::vector<std::filesystem::path>& folders,
                          std::chrono::milliseconds within = std::chrono::seconds(8));
 

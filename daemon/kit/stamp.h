@@ -25,7 +25,7 @@ inline constexpr std::uint32_t kKitVersion = 2;
 /// Name of the ELF section. kit/stages.h defines the exported symbols.
 inline constexpr std::string_view kStampSection = "sslv_stamp";
 
-/// A type of which objects are exchanged between service and library.
+/// A type whose objects are exchanged between service and library.
 struct StampedType {
   std::array<char, 24> name{};  // padded with zeros
   std::uint32_t size = 0, alignment = 0;

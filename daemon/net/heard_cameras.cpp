@@ -40,8 +40,8 @@ void HeardCameras::forget(double now_s) {
 
 void HeardCameras::note_places(const VisionMessage& message, const std::string& address, bool is_named,
                                double now_s) {
-  // Cameras of unnamed computers are limited separately, so that they take no space from cameras of named
-  // computers, which are limited by their ids.
+  // Cameras of unnamed computers have their own limit, so that they take no space from cameras of named
+  // computers. The latter are limited by their ids.
   auto unnamed = static_cast<std::size_t>(
       std::ranges::count_if(places_, [](const auto& one) { return !one.second.is_named; }));
   for (const VisionMessage::Camera& camera : message.cameras) {

@@ -29,7 +29,7 @@ class OtherClock {
 
  private:
   double since_s_ = 0;  // start of the current interval, by our clock
-  /// Minimum of delay + clock offset in the current interval; in the interval before.
+  /// Minimum of delay + clock offset, in the current interval and in the previous one.
   double least_now_s_ = 0, least_before_s_ = 0;
   bool has_before_ = false, has_now_ = false;
 };
@@ -49,13 +49,13 @@ class HeardCameras {
   /// Ids of this computer's own cameras; other cameras with these ids are ignored.
   void set_own(std::set<int> camera_ids) { own_ = std::move(camera_ids); }
 
-  /// Processes a message, received at a monotonic time and at this computer's Unix time. `is_named`: the
-  /// settings name the sender's computer. True if `out` is set to detections to use.
+  /// Processes a message. `now_s`: monotonic receive time; `unix_s`: the same in this computer's Unix time;
+  /// `is_named`: the settings name the sender's computer. True if `out` was set to detections for tracking.
   bool hear(const VisionMessage& message, const std::string& address, bool is_named, double now_s,
             double unix_s, ArrivedSightings& out);
 
-  /// The conflicts of the last kForgottenAfter_s. Conflicts with named computers are first, so that conflicts
-  /// with strangers cannot hide them.
+  /// The conflicts of the last kForgottenAfter_s. Lists conflicts with named computers first, so that
+  /// conflicts with unnamed computers cannot hide them.
   std::vector<Conflict> conflicts(double now_s) const;
   struct Heard {
     std::string address;

@@ -24,11 +24,11 @@ struct HeardPacket {
 /// geometry. Thread-safe.
 class HeardPackets {
  public:
-  /// Adds one datagram, received at a monotonic time.
+  /// Adds one datagram. `now_s`: monotonic receive time.
   void receive(std::span<const std::byte> datagram, double now_s);
   void clear();
 
-  /// The newest detection packets by camera id, of cameras received in the last kForgottenAfter_s.
+  /// The newest detection packet of each camera received in the last kForgottenAfter_s, by camera id.
   std::map<std::uint32_t, HeardPacket> detections(double now_s) const;
   std::optional<HeardPacket> geometry(double now_s) const;
 

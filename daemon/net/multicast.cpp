@@ -59,8 +59,8 @@ udp::socket open_socket(asio::io_context& io, const MulticastSettings& settings)
   return socket;
 }
 
-/// Why nothing may be sent to this destination; empty if sending is permitted. Packets to a broadcast address
-/// that no subnet has would be sent to some computer.
+/// Why nothing may be sent to this destination; empty if sending is permitted. If no subnet has the broadcast
+/// address, it is the address of a single computer.
 std::string why_not_sent_to(const address_v4& destination, const std::string& interface) {
   if (destination.is_multicast()) return {};
   const std::vector<address_v4> there = broadcast_addresses(interface);

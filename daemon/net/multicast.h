@@ -71,7 +71,7 @@ struct MulticastStatus {
 /// Sends datagrams to a multicast group, a broadcast address, or both. Any thread may call send(), which
 /// never waits, not even for a thread of lower priority that calls status(). Packets that the system does not
 /// accept at once are lost and counted. A socket that cannot be opened or cannot send is reopened every
-/// second. A missing broadcast address does not affect packets to the group, and is searched for every
+/// second. A missing broadcast address does not affect packets to the group; the sender searches for it every
 /// second.
 class MulticastSender {
  public:
@@ -88,8 +88,8 @@ class MulticastSender {
   bool send(std::span<const std::byte> packet) noexcept;
 
   /// Whether a packet with this sender address was sent by this object, possibly before its socket was
-  /// reopened. Reads this computer's addresses from the system only for an unknown address, and at a limited
-  /// rate, because anyone can send from a port with the same number.
+  /// reopened. For an unknown address, reads this computer's addresses from the system, at a limited rate,
+  /// because anyone can send from a port with the same number.
   bool is_own(const boost::asio::ip::udp::endpoint& sender) const;
 
   /// Does not wait while a socket is being opened.
@@ -127,8 +127,7 @@ class MulticastSender {
   bool is_open_ = false;  // the newest socket is open
 
   // File descriptors of the newest and the previous socket. A descriptor that is not -1 stays valid for this
-  // object's lifetime, so that a sender that was interrupted still sends with the settings with which it
-  // began.
+  // object's lifetime, so that an interrupted sender finishes with the settings with which it began.
   std::array<int, 2> sockets_{-1, -1};
   // For each destination, its address and the index of its socket, see Way in multicast.cpp; 0: no
   // destination.

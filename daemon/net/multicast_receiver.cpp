@@ -47,8 +47,8 @@ std::string card_of(const GroupAddress& where) {
   return network_card_name(from.to_string());
 }
 
-/// Binds to `address`, which excludes packets of other groups and unicast. Receives only from one card,
-/// neither groups that other programs joined on other cards, nor packets that strangers send to another card.
+/// Binds to `address`, which excludes packets of other groups and unicast. Receives from one card only:
+/// neither groups that other programs joined on other cards, nor packets sent to other cards.
 udp::socket open_at(asio::io_context& io, const address_v4& address, const GroupAddress& where,
                     const std::string& card) {
   udp::socket socket(io, udp::v4());
@@ -92,14 +92,14 @@ class Copies {
     double heard_s = -1e9;
     address_v4 to{};
   };
-  // More datagrams than a socket's buffer holds, because the sockets are read in turn.
+  // More entries than a socket's buffer has datagrams, because the sockets are read in turn.
   std::array<Seen, 512> seen_{};
   std::size_t next_ = 0;
 };
 
 }  // namespace
 
-/// The receiver thread's state: one group on one card, and broadcasts to its port; or nothing.
+/// The receiver thread's state: the sockets for one group on one card and for broadcasts to its port, if any.
 class MulticastReceiver::Listener {
  public:
   explicit Listener(MulticastReceiver& owner) : owner_(owner) {

@@ -33,10 +33,10 @@ struct Arrival {
   bool by_multicast = false, by_broadcast = false;
 };
 
-/// Receives a multicast group, and broadcasts to its port, in its own thread, which has lower priority than
-/// the cameras' threads. A datagram that arrives both ways is passed on once. A group that could not be
-/// joined is retried every `look_interval`. A group is rejoined after ten silent intervals, because the card
-/// may have been removed and restored.
+/// Receives the datagrams of a multicast group and the broadcasts to its port, in its own thread, which has
+/// lower priority than the cameras' threads. A datagram that arrives both ways is passed on once. A group
+/// that could not be joined is retried every `look_interval`. A group is rejoined after ten silent intervals,
+/// because the card may have been removed and restored.
 class MulticastReceiver {
  public:
   /// Called from the receiver's thread with every datagram and its sender.
@@ -59,10 +59,10 @@ class MulticastReceiver {
   /// Why some or all broadcasts are not received at present; otherwise empty.
   std::string broadcast_error() const;
 
-  /// Sets the IPv4 addresses of computers that unnamed computers cannot displace from arrivals(). Nor can
-  /// they displace this computer.
+  /// Sets the IPv4 addresses of the named computers. Other computers cannot displace them, or this computer,
+  /// from arrivals().
   void set_named(std::set<std::string> addresses);
-  /// The senders of the last kForgottenAfter_s, at a monotonic time.
+  /// The senders of the last kForgottenAfter_s. `now_s`: monotonic.
   std::vector<Arrival> arrivals(double now_s) const;
   static constexpr double kForgottenAfter_s = 5;
 

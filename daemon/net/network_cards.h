@@ -39,7 +39,7 @@ std::string network_card_name(const std::string& name_or_address);
 /// broadcast addresses of the subnets.
 std::vector<boost::asio::ip::address_v4> broadcast_addresses(const std::string& name_or_address);
 
-/// Whether the address can be a broadcast address. A certain answer requires the subnet's mask, which only
+/// Whether the address can be a broadcast address. A definite answer requires the subnet's mask, which only
 /// the subnet's computers know.
 bool may_be_broadcast(const boost::asio::ip::address_v4& address);
 

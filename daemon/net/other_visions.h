@@ -32,7 +32,7 @@ struct SizeConflict {
   double ours = 0, theirs = 0;
 };
 
-/// The dimensions that both messages contain, but with different values.
+/// The dimensions that both messages contain with different values.
 std::vector<SizeConflict> size_conflicts(const SSL_GeometryFieldSize& ours,
                                          const SSL_GeometryFieldSize& theirs);
 
@@ -64,7 +64,7 @@ class OtherVisions {
   /// Stops listening.
   void stop() { receiver_.listen(std::nullopt); }
 
-  /// Processes one datagram, received at a monotonic time. For the listening thread, and for tests that do
+  /// Processes one datagram. `now_s`: monotonic receive time. For the listening thread, and for tests that do
   /// not listen.
   void receive(std::span<const std::byte> datagram, const boost::asio::ip::udp::endpoint& sender,
                double now_s);

@@ -10,8 +10,8 @@ class MessageLite;
 
 namespace sslv {
 
-/// Parses a message; false if the bytes are invalid. Silences protobuf's own log, so that a stranger's
-/// datagrams cannot fill the journal.
+/// Parses a message; false if the bytes are invalid. Silences protobuf's own log, so that datagrams of
+/// unknown senders cannot fill the journal.
 bool parse(google::protobuf::MessageLite& message, std::span<const std::byte> datagram);
 
 }  // namespace sslv

@@ -21,7 +21,7 @@ bool is_readable(const std::string& text) {
   return text.size() <= kLongest && g_utf8_validate(text.data(), static_cast<gssize>(text.size()), nullptr);
 }
 
-/// A game controller's message has both teams with names; other messages are refused.
+/// A game controller's message names both teams; other messages are refused.
 bool is_valid(const Referee& referee) {
   return referee.yellow().has_name() && referee.blue().has_name() && is_readable(referee.yellow().name()) &&
          is_readable(referee.blue().name()) && is_readable(referee.source_identifier());

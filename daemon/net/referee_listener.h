@@ -78,8 +78,8 @@ struct RefereeStatus {
 };
 
 /// Receives the team names and the state of the game from the game controller. Keeps the last state when the
-/// game controller falls silent, because the match continues. Of several game controllers, the first is
-/// followed until it is silent for some seconds. Thread-safe; receives in its own thread.
+/// game controller falls silent, because the match continues. If several game controllers send, follows the
+/// first one until it has been silent for some seconds. Thread-safe; receives in its own thread.
 class RefereeListener {
  public:
   static constexpr double kForgottenAfter_s = 5;
@@ -91,7 +91,7 @@ class RefereeListener {
   /// listens there. Must not be called from `on_new_names` or from two threads at the same time.
   void listen(const std::optional<GroupAddress>& where);
 
-  /// Processes one datagram, received at a monotonic time. For the listening thread, and for tests that do
+  /// Processes one datagram. `now_s`: monotonic receive time. For the listening thread, and for tests that do
   /// not listen.
   void receive(std::span<const std::byte> datagram, const boost::asio::ip::udp::endpoint& sender,
                double now_s);

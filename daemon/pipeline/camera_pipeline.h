@@ -12,7 +12,7 @@
 
 namespace sslv {
 
-/// Everything a camera's frames are processed with; replaced as a whole between two frames.
+/// The configuration for one camera's frames; replaced as a whole between two frames.
 struct CameraSetup {
   std::shared_ptr<Pipeline> pipeline;
   Pipeline::Parameters parameters;
@@ -31,15 +31,15 @@ class FrameObserver {
   virtual void frame_ends(const Frame&, const CameraSetup&) noexcept {}
 };
 
-/// Turns one camera's images into published detections: numbers the frames, runs the stack, offers finished
-/// frames to viewers. Only the camera's thread calls `process` and `give_back`, and that thread waits for no
-/// other thread. The other functions are for other threads, unless they state otherwise.
+/// Turns one camera's images into published detections: numbers the frames, runs the stack and offers
+/// finished frames to viewers. Only the camera's thread calls `process` and `give_back`, and that thread
+/// waits for no other thread. The other functions are for other threads, unless they state otherwise.
 class CameraPipeline {
  public:
   struct Counters {
     std::uint64_t frames = 0;             // processed frames
     std::uint64_t capped = 0;             // frames flagged because a list reached its cap
-    std::uint64_t unseen = 0;             // frames not offered to viewers, who held the whole ring
+    std::uint64_t unseen = 0;             // frames not offered to viewers, who already held the whole ring
     std::uint32_t robots = 0, balls = 0;  // in the newest frame
     Flood flood;                          // the newest flood, and the number of frames since then
     std::uint64_t frames_since_flood = 0;
@@ -61,7 +61,7 @@ class CameraPipeline {
 
   /// The newest finished frame.
   const LatestFrame& finished() const { return finished_; }
-  /// Gives the buffers that viewers have released back to the driver; for times without new images. Returns
+  /// Gives buffers that viewers have released back to the driver; call it while no new images arrive. Returns
   /// true while viewers hold other buffers.
   bool give_back() noexcept;
   /// Releases the newest frame and wakes all threads that wait for one. Must not be called while the camera's
@@ -74,7 +74,7 @@ class CameraPipeline {
   // Slots for the newest frame, the frame being processed, and one frame for each of a few viewers' tasks.
   static constexpr std::size_t kRingSlots = 8;
 
-  /// Values of counters(): updated by the camera's thread, read by any, without a lock.
+  /// Values of counters(): updated by the camera's thread, read by any thread, without a lock.
   class FrameCounters {
    public:
     void add(const Frame& frame) noexcept;

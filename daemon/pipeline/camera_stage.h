@@ -15,7 +15,7 @@
 
 namespace sslv {
 
-/// Destination of finished detections: the multicast socket of the daemon, a file of the command line.
+/// Destination of finished detections: the daemon's multicast socket or the command line's file.
 class DetectionSink {
  public:
   virtual ~DetectionSink() = default;

@@ -54,7 +54,7 @@ class FieldIntake {
  public:
   using Queues = std::vector<std::shared_ptr<SightingsQueue>>;
 
-  /// Adds a queue. The queue is kept as long as anything except the intake holds it.
+  /// Adds a queue. The queue is kept while anyone besides the intake holds it.
   std::shared_ptr<SightingsQueue> add();
   /// Removes the queues that only the intake still holds. Called once a second.
   void drop_unused();

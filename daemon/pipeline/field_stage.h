@@ -95,7 +95,7 @@ FieldStageType field_stage(std::string_view name, std::string_view help) {
   return basic_stage<FieldFloor, S>(name, help);
 }
 
-/// Hands the tracks to the sink from the field's own thread.
+/// Passes the tracks to the sink on the field's own thread.
 class PublishField {
  public:
   struct Params {

@@ -20,7 +20,7 @@
 
 namespace sslv {
 
-/// One per slot of a camera's ring, reused: lists keep their capacity. Parts are identified by their type.
+/// Each slot of a camera's ring reuses one Frame: lists keep their capacity. Parts are identified by type.
 struct Frame {
   FrameInfo info;
   Image image;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Validation between the stages and before results leave.
+// Validates results between the stages and before they are published.
 #include "pipeline/camera_stage.h"
 #include "pipeline/field_stage.h"
 

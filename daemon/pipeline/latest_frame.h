@@ -13,8 +13,8 @@
 namespace sslv {
 
 /// Mailbox for the newest finished frame of one ring: a newer frame replaces an unread one. Each reader
-/// remembers the version it saw last, so several readers can read the same frame. The camera's thread stores
-/// frames without waiting, because a reader, even if it is interrupted, holds no lock but only a frame.
+/// remembers the version it saw last, so several readers can read the same frame. The camera's thread never
+/// waits to store a frame: a reader, even an interrupted one, holds a frame but no lock.
 class LatestFrame {
  public:
   struct Versioned {

@@ -132,7 +132,7 @@ concept EigenMatrix = requires(T& value) {
 };
 
 /// Codec of one type. kIs: whether the type is supported. kAnyBits: every bit pattern is valid, so that
-/// arrays are copied at once. kLeast: the minimum number of bytes of an encoded value.
+/// arrays are copied as a whole. kLeast: the minimum number of bytes of an encoded value.
 template <class T>
 struct PartCodec {
   static constexpr bool is_struct() { return std::is_aggregate_v<T> && std::is_class_v<T>; }

@@ -116,8 +116,8 @@ RunningStack running_stack(std::span<const BasicStageType<Floor>> table,
     }
   }
   out.refused = std::move(refused);
-  // If no stage is or may be left out, checks the whole stack, so that messages use the stage numbers of the
-  // settings.
+  // Unless stages were left out, checks the stack as in the settings, so that messages have its stage
+  // numbers.
   check_stack<Floor>(table, missing == MissingStages::kRefused || is_whole ? stack : out.stages, path);
   return out;
 }

@@ -13,7 +13,7 @@
 
 namespace sslv {
 
-/// Handling of stages whose library is missing or refuses its settings.
+/// Handling of stages that are missing or refuse their settings.
 enum class MissingStages {
   kRefused,
   kLeftOut,  // left out; their settings are kept unchanged
@@ -74,8 +74,8 @@ class BasicPipeline {
   BasicPipeline(std::span<const StageType> table, const std::vector<std::string>& stack,
                 const std::string& path);
 
-  /// One parameter set for each stage of the stack, replaced together, so that a frame sees all of a change
-  /// or none.
+  /// One parameter set for each stage of the stack, replaced together, so that a frame uses all new
+  /// parameters or none.
   using Parameters = std::vector<StageParams>;
 
   /// Parameters of this stack. `params`: in the order of the table, as in StageSettings.

@@ -3,8 +3,8 @@
 
 // The only validator of results of library stages, in any process, and of packets of other visions
 // (net/vision_message.h). Drops and counts values that are not finite or are outside the limits in
-// geometry/limits.h. The stack runs it after each stage, so packets, viewers and later stages check nothing
-// again. It does not judge the uncertainty of positions: Gather does.
+// geometry/limits.h. The stack runs it after each stage, so packets, viewers and later stages need no further
+// checks. It does not judge the uncertainty of positions: Gather does.
 
 #include "geometry/limits.h"
 #include "image/frame_info.h"

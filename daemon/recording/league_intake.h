@@ -38,8 +38,8 @@ class LeagueShare {
   std::vector<Bucket> senders_;
 };
 
-/// More than any field sends, less than a network can carry: two visions with four large cameras each send
-/// 2 MB/s, three trackers 2 MB/s, a game controller 100 kB/s.
+/// Higher rates than on any field, but lower than a network's. For comparison: two visions that each have
+/// four large cameras send 2 MB/s, three trackers send 2 MB/s, and a game controller sends 100 kB/s.
 inline constexpr double kVisionShare_bytes_per_s = 4e6, kTrackerShare_bytes_per_s = 4e6,
                         kRefereeShare_bytes_per_s = 1e6;
 

@@ -121,7 +121,7 @@ void MatchEventFinder::add_referee(const LoggedMessage& message, std::vector<Mat
   const std::array<std::uint32_t, 2> score{referee.yellow().score(), referee.blue().score()};
   for (const std::size_t team : {0U, 1U}) {
     if (!score_ || score[team] <= (*score_)[team]) continue;
-    // Any program can send to the group, so the name may hold anything.
+    // Any program can send to the group, so the name may contain any bytes.
     const std::string name =
         shortened(plain_part(team == 0 ? referee.yellow().name() : referee.blue().name()), kMaxTeamNameBytes);
     tell(MatchEvent::Kind::kGoal,
@@ -141,8 +141,8 @@ void MatchEventFinder::add_tracked(const LoggedMessage& message, std::vector<Mat
   if (!std::isfinite(speed_m_s) || !std::isfinite(late_s)) return;
   if (std::abs(kick.start_timestamp() - kick_s_) < kSameKick_s) return;
   kick_s_ = kick.start_timestamp();
-  // Trackers report a kick late and with times of their own clock, so subtract this delay from the message's
-  // log time.
+  // Trackers report a kick late, with times by their own clock, so subtract this delay (late_s) from the
+  // message's log time.
   const double before_s = std::clamp(late_s, 0.0, 2.0);
   std::string who;
   if (kick.has_robot_id())

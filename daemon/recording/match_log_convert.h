@@ -13,8 +13,8 @@ struct ConvertedMatchLog {
 };
 
 /// Converts a log: to gzip with an index beside it if `to` ends with .log.gz, unpacked with the league's own
-/// index at its end if it ends with .log. Keeps the messages before the damage of a damaged log. `to` must
-/// not exist. Throws StorageError.
+/// index at its end if it ends with .log. If a log is damaged, keeps the messages before the damage. `to`
+/// must not exist. Throws StorageError.
 ConvertedMatchLog convert_match_log(const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace sslv

@@ -31,7 +31,7 @@ constexpr std::size_t kMaxIndexValues = 200'000;  // number of JSON values in an
 
 constexpr std::size_t kMaxPoints = 1 << 14;
 
-/// Most message types that are counted: there may be many private ones.
+/// Limit of counted message types: programs may use many types of their own.
 constexpr std::size_t kMaxTypes = 64;
 
 /// Limit of an event's text.
@@ -192,7 +192,7 @@ MatchLogIndex match_log_index(const fs::path& log, const std::stop_token& stop) 
   try {
     write_match_log_index(log, index);
   } catch (const StorageError&) {
-    // A read-only folder: the next call makes the index again.
+    // The folder is read-only: the next call makes the index again.
   }
   return index;
 }

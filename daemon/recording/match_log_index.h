@@ -38,7 +38,7 @@ struct MatchLogIndex {
   bool operator==(const MatchLogIndex&) const = default;
 };
 
-/// Reading a log stops here: a larger log is not a match, or was made to exhaust memory and time.
+/// Reading a log stops at this size: a larger log is not a match, or was made to exhaust memory and time.
 inline constexpr std::uint64_t kMaxUnpackedBytes = std::uint64_t{64} << 30U;
 
 /// Builds the index of a log from its messages in file order. To keep the index small, it removes every other

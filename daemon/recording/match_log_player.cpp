@@ -52,7 +52,7 @@ std::optional<double> MatchLogPlayer::play(double now_s, const Send& send) {
     read_next();
   }
   if (!has_next_) return std::nullopt;
-  // More is due: leave the unused time to the next call.
+  // More messages are due: leave the unused time to the next call.
   played_s_ = now_s - passed_s / speed_;
   return 0;
 }

@@ -23,7 +23,7 @@ class MatchLogReader {
   explicit MatchLogReader(const std::filesystem::path& path);
 
   /// Reads the next message. False at the end, or if the rest cannot be read; problem() then has the reason.
-  /// All intact messages before were returned.
+  /// Earlier calls have returned all intact messages before that place.
   bool next(LoggedMessage& out);
 
   /// Goes to the first message in file order with a time of `time_ns` or later.
@@ -34,8 +34,8 @@ class MatchLogReader {
   void go_to_begin();
   /// Resumes at `place` and skips to the message that begins at `next_offset` unpacked bytes in the file.
   void go_to(const MemberPlace& place, std::uint64_t next_offset);
-  /// Skips to the next message with a time of `time_ns` or later. False: it is more than `max_bytes` unpacked
-  /// bytes away, or on a stop request.
+  /// Skips to the next message with a time of `time_ns` or later. False if it is more than `max_bytes`
+  /// unpacked bytes away, and on a stop request.
   bool skip_to(std::int64_t time_ns, std::uint64_t max_bytes, const std::stop_token& stop);
 
   /// See PackedFile.

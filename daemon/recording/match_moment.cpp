@@ -115,7 +115,8 @@ bool is_vision(const LoggedMessage& message) {
   return message.type == LoggedMessage::kVision2014 || message.type == LoggedMessage::kVision2010;
 }
 
-/// Most unpacked bytes between neighbouring points of an index, its log's beginning and end included.
+/// Largest distance between neighbouring points of an index, in unpacked bytes. The log's beginning and end
+/// count as points.
 std::uint64_t largest_gap_bytes(const MatchLogIndex& index) {
   std::uint64_t largest = 0, before = 0;
   for (const MatchLogPoint& point : index.points) {

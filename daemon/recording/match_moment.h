@@ -15,7 +15,7 @@
 
 namespace sslv {
 
-/// Robots and balls of a packet, as Detections in docs/openapi.json; none: it is not a detection packet.
+/// Robots and balls of a packet, as Detections in docs/openapi.json; none if it is not a detection packet.
 std::optional<Json> detections_json_of(std::span<const std::byte> packet);
 
 /// Returns the state of the game at any moment of a match log, in bounded time. Logs that other programs
@@ -23,7 +23,7 @@ std::optional<Json> detections_json_of(std::span<const std::byte> packet);
 /// places, once. Use from one thread at a time.
 class MatchMoments {
  public:
-  /// Most unpacked bytes to read for one moment.
+  /// Limit of unpacked bytes to read for one moment.
   static constexpr std::uint64_t kMaxBytes = std::uint64_t{128} << 20U;
 
   /// `index`: of this log; `max_bytes`: for tests. Throws StorageError.
@@ -31,10 +31,10 @@ class MatchMoments {
                std::uint64_t max_bytes = kMaxBytes);
   ~MatchMoments();
 
-  /// MatchMoment of docs/openapi.json: the newest message of each source, if it is at most 0.2 s old (of the
-  /// game controller: 2 s). `at_s`: s since the log's first message, clamped to the log. None: the thread
-  /// that finds places has not reached that time yet. Throws StorageError on a stop request, and if reading
-  /// to that time would exceed the limit of bytes.
+  /// MatchMoment of docs/openapi.json: the newest message of each source, if it is at most 0.2 s old (game
+  /// controller: 2 s). `at_s`: s since the log's first message, clamped to the log. None: the thread that
+  /// finds places has not reached that time yet. Throws StorageError on a stop request, and if reading to
+  /// that time would exceed the limit of bytes.
   std::optional<Json> at(double at_s, const std::stop_token& stop = {});
   /// Waits until the thread that finds places has ended.
   void wait();

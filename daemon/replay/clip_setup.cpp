@@ -74,7 +74,7 @@ Config config_in(const Json& about, int camera_id) {
 }
 
 SetupParts parts_of(const ClipSetup& clip, const std::string& path) {
-  // Messages about the settings begin with a place in the settings; put `path` before it.
+  // Messages about the settings begin with a place in the settings; prepend `path`.
   const auto named = [&](const auto& read) {
     try {
       return read();

@@ -11,8 +11,8 @@
 
 namespace sslv {
 
-/// The setup of `config.cameras[i]` for a clip. It always contains the colour table itself, no matter from
-/// which file or service the settings load it, and contains only the stages that run.
+/// The setup of `config.cameras[i]` for a clip. It always contains the colour table itself, even if the
+/// settings load it from a file or a service, and only the stages that run.
 ClipSetup clip_setup(const Config& config, std::size_t i, const CameraSetup& setup);
 
 /// The inverse of clip_setup(), also for programs built without the camera's backend. `pipeline`: the
@@ -20,7 +20,7 @@ ClipSetup clip_setup(const Config& config, std::size_t i, const CameraSetup& set
 /// SettingsError, beginning with `path`.
 CameraSetup setup_of(const ClipSetup& clip, std::shared_ptr<Pipeline> pipeline, const std::string& path);
 
-/// Replacements for parts of the setup with which frames were processed live.
+/// Replacements for parts of the live setup.
 struct OtherSetup {
   /// Settings with a camera of the same id; null: the clip's settings. If the colour settings equal the
   /// clip's, the clip's colour table is used, as adapted to the light of that moment. With
@@ -30,7 +30,7 @@ struct OtherSetup {
   std::shared_ptr<const Lut> table{};  // null: the settings' table
 };
 
-/// The setup for frames that had the setup `clip` live. Throws like setup_of(), and SettingsError for
+/// The setup for frames that were processed live with `clip`. Throws like setup_of(), and SettingsError for
 /// settings without that camera; messages about `other` begin with its path.
 CameraSetup setup_with(const OtherSetup& other, const ClipSetup& clip, std::shared_ptr<Pipeline> pipeline,
                        const std::string& path);

@@ -22,8 +22,7 @@ struct ExportOptions {
   std::optional<std::uint32_t> camera_id{};  // none: every camera of the clip
   ClipSpan span{};
   bool with_coco = false;
-  /// Blackens everything except the ground up to 300 mm outside the field's lines, and robots that stand
-  /// there.
+  /// Blackens everything except the ground up to 300 mm outside the field's lines, and robots on it.
   bool is_anonymous = false;
 };
 
@@ -33,7 +32,7 @@ struct ExportedCamera {
   std::vector<std::string> doubts{};  // why detections may differ from the live ones
 };
 
-/// Writes a folder for each camera (camera_0 and so on) that holds:
+/// Writes a folder for each camera (camera_0 and so on) with these files:
 /// - its frames by number, frame_000042.png or .raw;
 /// - truth.jsonl, a line with the unchecked detections of each frame (as `ssl-visionctl score` and `annotate`
 ///   read it, with "t", the capture time in Unix s);
@@ -43,7 +42,7 @@ struct ExportedCamera {
 /// camera is not calibrated.
 std::vector<ExportedCamera> export_clip(ClipReader& clip, const ExportOptions& options);
 
-/// "frame_000042": the name of a frame in names of exported files, and in JSON lines about the frame.
+/// "frame_000042": a frame's name in JSON lines and in the names of exported files.
 std::string clip_frame_name(std::uint32_t number);
 
 }  // namespace sslv

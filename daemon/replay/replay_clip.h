@@ -23,8 +23,8 @@ struct ClipSpan {
 };
 
 /// Processes one camera's frames of a clip again, with the live setup or another one, in the calling thread
-/// and as fast as possible. Stages start from the last live state in the clip before the span, or else at the
-/// clip's beginning; the frames from there to the span are processed, too.
+/// and as fast as possible. Starts with the last live state of the stages before the span, else at the clip's
+/// beginning, and also processes the frames from there to the span.
 class ClipReplay {
  public:
   struct Result {
@@ -50,8 +50,8 @@ class ClipReplay {
   /// Throws ClipError and SettingsError.
   bool next(Result& result);
 
-  /// Why frames so far may differ from the live run, apart from `other`: each kind of reason once, with its
-  /// first frame.
+  /// Reasons, besides `other`, why frames so far may differ from the live run: each kind once, with its first
+  /// frame.
   const std::vector<std::string>& doubts() const { return doubts_; }
   /// Frames processed, also those before the span.
   std::uint64_t processed() const { return processed_; }

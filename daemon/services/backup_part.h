@@ -11,7 +11,7 @@ namespace sslv {
 
 struct Config;
 
-/// Files of a backup, by name: each has the same name in the backup and in the state folder.
+/// Files of a backup, by their names, which are the same as in the state folder.
 using BackupFiles = std::map<std::string, std::string>;
 
 /// Data stored beside the settings, as a part of a backup. Thread-safe.
@@ -24,8 +24,8 @@ class BackupPart {
   /// Whether a file of this name belongs to this part.
   virtual bool has(const std::string& name) const = 0;
 
-  /// Reads this part's files from a backup; they are to replace the current files. While the result exists,
-  /// settings may use the contents of the files; nothing else changes until the result is saved. Throws
+  /// Reads this part's files from a backup, which will replace the current files. While the result exists,
+  /// settings may already use their contents; nothing else changes until the result is saved. Throws
   /// SettingsError with a message that begins with the file's name.
   virtual std::unique_ptr<SavedWith> prepare(BackupFiles files) = 0;
 };

@@ -48,8 +48,8 @@ struct HealthReport {
   Json* status = nullptr;           // receives keys of docs/openapi.json's Status; null: not requested
   bool another_host_sends = false;  // a computer named in settings sends detections timed by its own clock
 
-  /// Adds alerts of one kind as a single alert, represented by the first. For kinds that unknown senders on
-  /// the network can cause in any number.
+  /// Adds alerts of one kind as a single alert, represented by the first. Use it for kinds that unknown
+  /// senders on the network can cause in any number.
   void add_as_one(std::vector<Alert> same_kind);
 
   /// Sorts the alerts, the worst first. Each check's state becomes at least as bad as its worst alert, whose

@@ -7,8 +7,8 @@ namespace sslv {
 class SavedWith {
  public:
   virtual ~SavedWith() = default;
-  /// Saves the files. Called before the settings are saved: if the service is killed in between, the data
-  /// that the settings replace is still on disk. If it throws StorageError, nothing has changed.
+  /// Saves the files. Called before the settings are saved, so that no data that they replace is lost if the
+  /// service is killed in between. If it throws StorageError, nothing has changed.
   virtual void save() = 0;
   /// Called if the settings could not be saved after all.
   virtual void take_back() noexcept = 0;

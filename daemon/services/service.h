@@ -44,8 +44,8 @@ struct SupportRecording {
 };
 
 /// One capability that the panel offers. A service owns its state and its lock, its routes and their JSON,
-/// its alerts, checks and metrics. Its constructor receives references to the interfaces of other services
-/// that it needs, never to the whole daemon. It runs from its constructor to its destructor. All members are
+/// its alerts, checks and metrics. Its constructor receives references to the interfaces that it needs of
+/// other services, never to the whole daemon. It runs from its constructor to its destructor. All members are
 /// thread-safe; only daemon.cpp knows all services.
 class Service {
  public:
@@ -62,7 +62,7 @@ class Service {
   virtual Plan plan(const SettingsChange&) const { return {}; }
 
   /// Adds alerts and checks, and its keys of docs/openapi.json's Status if they are requested. If an alert
-  /// and a key report the same thing, both are computed from the same reading, so that they agree.
+  /// and a key report the same thing, they are computed from the same reading, so that they agree.
   virtual void report(HealthReport&) const {}
   /// Adds keys to docs/openapi.json's Diagnostics.
   virtual void add_diagnostics(Json&) const {}

@@ -27,8 +27,8 @@ void StageWatch::look(const std::shared_ptr<BasicPipeline<Floor>>& pipeline) {
   }
   std::vector<Second> second(stack.size());
   for (std::size_t i = 0; i < stack.size(); ++i) {
-    // Read the count before the samples: an image that finishes in between counts for the next second too,
-    // but none is missed.
+    // Read the count before the samples: an image that finishes in between is counted again in the next
+    // second, but none is missed.
     const std::uint64_t images = pipeline->durations(i).count();
     for (const std::int64_t took_ns : pipeline->durations(i).samples_ns(seen_[i].images)) {
       const double took_ms = static_cast<double>(took_ns) * 1e-6;

@@ -41,9 +41,9 @@ class Passwords {
   /// Returns the role with this password. Deliberately takes about ten milliseconds and 16 MiB.
   std::optional<Role> role_of(const std::string& password) const;
 
-  /// Sets a role's password, or removes it for nullopt. On disk on return. Throws SettingsError for a
-  /// password that is too short or too long, and if only viewers would have a password; StorageError if it
-  /// cannot be saved.
+  /// Sets a role's password, or removes it for nullopt. On return, the change is on disk. Throws
+  /// SettingsError for a password that is too short or too long, and if only viewers would have a password;
+  /// StorageError if it cannot be saved.
   void set(Role role, const std::optional<std::string>& password);
 
   /// The file's content, for a backup; empty if there are no passwords.

@@ -9,8 +9,8 @@
 
 namespace sslv {
 
-/// Applies a change that is already saved. Everything that can fail or takes long was done before, so it
-/// cannot fail, which the compiler checks.
+/// Applies a change that is already saved. All steps that can fail or take long were done before, so Apply
+/// cannot fail; the compiler checks this.
 class Apply {
  public:
   /// Nothing to do.

@@ -47,8 +47,9 @@ class Profiles {
   std::vector<Profile> all() const;
   std::optional<Profile> find(const std::string& name) const;
 
-  /// Adds a profile or replaces the profile of the same name; on disk on return. Throws SettingsError for an
-  /// invalid name and for too many profiles, StorageError if it cannot be saved; nothing has changed then.
+  /// Adds a profile or replaces the profile of the same name. On return, the change is on disk. Throws
+  /// SettingsError for an invalid name and for too many profiles, StorageError if it cannot be saved; nothing
+  /// has changed then.
   void save(Profile profile);
   /// Returns whether there was such a profile. Throws StorageError.
   bool remove(const std::string& name);
@@ -59,8 +60,8 @@ class Profiles {
   std::optional<std::string> to_text() const;
   /// Throws SettingsError, beginning with the file's name, if the text is invalid.
   static std::vector<Profile> from_text(const std::string& text);
-  /// Replaces all profiles; std::nullopt removes the file. On disk on return. Throws StorageError; nothing
-  /// has changed then.
+  /// Replaces all profiles; std::nullopt removes the file. On return, the change is on disk. Throws
+  /// StorageError; nothing has changed then.
   void replace(std::optional<std::vector<Profile>> profiles);
 
  private:

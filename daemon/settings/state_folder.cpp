@@ -30,7 +30,7 @@ class FileDescriptor {
   FileDescriptor(const FileDescriptor&) = delete;
   FileDescriptor& operator=(const FileDescriptor&) = delete;
   int get() const { return fd_; }
-  /// False if data was not written after all, which network file systems report only now.
+  /// False if data was not written after all, which network file systems report only here.
   bool close() { return ::close(std::exchange(fd_, -1)) == 0; }
 
  private:
@@ -124,7 +124,7 @@ Json read_json_file(const fs::path& file) {
 
 void write_file_durably(const fs::path& file, std::string_view content, unsigned permissions,
                         const fs::path& previous) {
-  // Opened first: without an fsync of the folder, nothing can be guaranteed.
+  // The folder is opened first, because nothing can be guaranteed without its fsync.
   const FileDescriptor folder(::open(folder_of(file).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (folder.get() < 0) fail("write", temporary_of(file));
   const Temporary temporary(temporary_of(file));

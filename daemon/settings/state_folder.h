@@ -28,8 +28,8 @@ void remove_file(const std::filesystem::path& file);
 /// Removes temporary files that a killed write_file_durably() left for this file.
 void remove_leftover(const std::filesystem::path& file);
 
-/// Renames an unusable file so that nothing of it is lost (*.rejected, or *.rejected.2 ... if there are
-/// earlier ones). Returns its new name.
+/// Renames an unusable file to keep its content: *.rejected, or *.rejected.2 and so on if that exists.
+/// Returns its new name.
 std::filesystem::path set_aside(const std::filesystem::path& file);
 
 /// The folder in which the service stores everything, and the folder's problems. The service starts and runs

@@ -29,9 +29,9 @@ void check_same_ids(const Json& changes, const Json& made_on, const Json& put_on
   }
 }
 
-/// Copies values from `made_on` to `put_on` that changes refer to and that `put_on` lacks: parameters of a
-/// stage whose library is missing at present or has another version. Validation of the whole tree refuses
-/// anything unknown.
+/// Copies from `made_on` the values that the changes refer to and that `put_on` lacks: parameters of a stage
+/// whose library is missing at present or has another version. Validation of the whole tree refuses anything
+/// unknown.
 void add_absent(const Json& changes, const Json& made_on, Json& put_on) {
   for (const Json& change : changes) {
     const std::string path = change.at("path").get<std::string>();
@@ -147,7 +147,7 @@ Json SettingsStore::history() const {
 
 SettingsStore::Version SettingsStore::patch(const Json& patch, const SettingsEdit& edit,
                                             const GetReady& get_ready) {
-  // Applied before locking, since it may take long; repeated only if another edit intervenes.
+  // The patch is applied before locking, since this may take long, and again only if another edit intervenes.
   const Version before = current();
   std::optional<Json> patched;
   if (!edit.if_revision || *edit.if_revision == before.revision)
@@ -192,7 +192,7 @@ SettingsStore::Version SettingsStore::undo(std::uint64_t revision, const Setting
   if (step == nullptr)
     throw SettingsError(fmt::format("revision: {} is not allowed; expected one of the history", revision));
   const Json& changes = step->at("changes");
-  // Nobody changed the step's values again if reverting and repeating the step results in the current tree.
+  // Nobody changed the step's values again if reverting and repeating the step yields the current tree.
   const auto is_as_left = [&] {
     try {
       const Json there_and_back =

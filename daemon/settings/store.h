@@ -62,8 +62,8 @@ class SettingsStore {
   };
   /// Validates a tree and fills in its defaults; throws SettingsError.
   using Check = std::function<CheckedSettings(const Json&)>;
-  /// Acquires the resources that new settings need, without any other effect. The returned Apply puts the
-  /// settings into effect and does not throw. Throws SettingsError.
+  /// Acquires the resources that new settings need, without any other effect. The returned Apply applies the
+  /// settings and does not throw. Throws SettingsError.
   using GetReady = std::function<Apply(const CheckedSettings&)>;
 
   /// Throws SettingsError, beginning with the file's name, if the admin's file is not usable. Unusable saved
@@ -88,9 +88,9 @@ class SettingsStore {
   /// step, StaleRevision if the step's values were changed again. Also throws like patch().
   Version undo(std::uint64_t revision, const SettingsEdit& edit, const GetReady& get_ready);
 
-  /// Replaces all settings by this tree and the history by `history` (newest first), on top of which it adds
-  /// one step. `revision`: the revision of the restored settings. Throws like patch(), and SettingsError for
-  /// an invalid history.
+  /// Replaces all settings by this tree and the history by `history` (newest first), then adds one step.
+  /// `revision`: the revision of the restored settings. Throws like patch(), and SettingsError for an invalid
+  /// history.
   Version restore(const Json& tree, std::uint64_t revision, const Json& history, const SettingsEdit& edit,
                   const GetReady& get_ready);
 

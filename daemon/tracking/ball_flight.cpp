@@ -24,7 +24,7 @@ double variance_of(const ShotPoint& point, double speed_mm_s) {
          std::pow(kTimeSigma_s * speed_mm_s, 2);
 }
 
-/// Line of sight: the ball is on the line place_mm + slope * (height over the floor).
+/// Line of sight: the ball is on the line place_mm + slope * (height above the floor).
 struct Sight {
   Vector2d slope;
   explicit Sight(const ShotPoint& point, double radius_mm)
@@ -55,7 +55,7 @@ void BallFlight::hop(const BallModel& model) {
   const double speed = state.segment<2>(3).norm(), down = state[5];
   state = damps.cwiseProduct(state);
   state[2] = model.radius_mm;
-  // The height is known at the bounce. An error of the height before it shifts the landing time and the
+  // The height is known at the bounce. A height error before the bounce shifts the landing time and the
   // rebound speed.
   cov = damps.asDiagonal() * cov * damps.asDiagonal();
   cov(2, 2) += 4;
@@ -191,7 +191,7 @@ std::optional<BallFlight> find_flight(std::span<const ShotPoint> points, const B
   const double air_chi2 = air.constant - air.right.dot(flies),
                floor_chi2 = floor.constant - floor.right.dot(rolls);
   constexpr double kSurer = 20, kLowestMm = 30, kSigmas = 3;
-  // A ball deflected on its way fits neither model.
+  // A ball that was deflected fits neither model.
   constexpr double kMaxEach = 6;
   BallFlight out;
   out.cov = in_air.solve(Matrix6::Identity());

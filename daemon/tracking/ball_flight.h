@@ -11,8 +11,8 @@
 
 namespace sslv {
 
-/// A ball in the air, whether it was kicked there or not: a Kalman filter of position and velocity, with
-/// gravity and bounces. A measurement gives a line of sight; the fall and the apparent size give the height.
+/// Kalman filter for a ball in the air, kicked or not: position and velocity, with gravity and bounces. Each
+/// measurement gives a line of sight; the fall and the apparent size give the height.
 struct BallFlight {
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -20,7 +20,7 @@ struct BallFlight {
   double t_s = 0;
   Vector6 state = Vector6::Zero();  // position, velocity (3D each)
   Matrix6 cov = Matrix6::Zero();
-  double lower_sigmas = 0;  // decaying sum of height innovations; positive: the ball looks lower
+  double lower_sigmas = 0;  // decaying sum of height innovations; positive: the ball appears lower
   bool has_hopped = false, is_over = false;  // is_over: the ball rolls
 
   void predict(double to_s, const BallModel& model);

@@ -10,7 +10,7 @@ inline constexpr double kGravity_mm_s2 = 9810;
 /// Ball dynamics (sliding, rolling, bouncing) and the size of the field.
 struct BallModel {
   double slides_mm_s2 = 3400, rolls_mm_s2 = 330;
-  double rolls_from_share = 5.0 / 7;  // speed when rolling begins over speed when sliding began
+  double rolls_from_share = 5.0 / 7;  // speed when rolling begins / speed when sliding begins
   double first_hop_xy = 0.75, later_hops_xy = 0.95, hops_z = 0.6;
   double radius_mm = 21.5;
   double half_length_mm = 6000, half_width_mm = 4500;  // half of the field
@@ -26,7 +26,7 @@ struct BallShot {
   double t_s = 0;
   Eigen::Vector2d place_mm{0, 0};
   Eigen::Vector3d velocity_mm_s{0, 0, 0};
-  double height_mm = 0;     // initial height over the floor, if the shot starts in the air
+  double height_mm = 0;     // initial height above the floor, if the shot starts in the air
   bool has_hopped = false;  // has bounced before t_s
   /// A ball that rebounds from the floor with a lower vertical speed rolls from then on.
   static constexpr double kLastHop_mm_s = 350;
@@ -43,7 +43,7 @@ struct BallShot {
   Eigen::Vector2d landing_mm() const;
 };
 
-/// Distance and speed of a ball `passed_s` after it began to slide with `speed_mm_s`.
+/// Distance and speed of a ball `passed_s` after it began to slide at `speed_mm_s`.
 struct FlatWay {
   double way_mm, speed_mm_s;
 };

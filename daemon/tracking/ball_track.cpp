@@ -325,7 +325,7 @@ void BallTrack::may_fly(double t_s, const RobotTracks& robots) {
     return;
   const auto flight = find_flight(points, model_);
   if (!flight) return;
-  // A held ball leaves the floor only by a kick of its holder.
+  // A held ball leaves the floor only if its holder kicks it.
   const auto kicker = left_holder_ ? robots.at(holder_, event_s_) : std::nullopt;
   if (kicker) {
     const auto before = kick_;
@@ -366,7 +366,7 @@ void BallTrack::fit_shot() {
   chip_guess.shot.t_s = event_s_;
   chip_guess.shot.place_mm = event_mm_;
   const ShotFit chip = fit_chip(chip_guess, points, model_, prior, count < 8 ? 6 : 3);
-  // A ball deflected on its way fits neither model.
+  // A ball that was deflected fits neither model.
   constexpr double kMaxEach = 6, kMost = 20;
   const bool fits = chip.chi2 < kMaxEach * static_cast<double>(count) + kMost;
   is_chip_ = fits && flat.chi2 - chip.chi2 > (is_chip_ ? -5 : 14);

@@ -82,7 +82,7 @@ void BallTracks::add(const std::vector<BallObservation>& all, const RobotTracks&
     }
     if (balls_[i].track.add(own_, robots, before_) != BallTrack::Saw::kTurn) continue;
     Ball& ball = balls_[i];
-    // The hypothesis from before a turn must not turn itself while balls_[0] is still seen.
+    // While balls_[0] is still seen, the hypothesis from before its turn must not turn as well.
     if (ball.is_past && now_s - balls_[0].track.seen_s() < kLately_s) {
       ball.track = *before_;
       continue;
@@ -124,7 +124,7 @@ void BallTracks::choose_ball(double t_s, const RobotTracks& robots) {
   if (!is_known_) return;
   constexpr double kUnseen_s = 0.05, kLost_s = 0.4, kStill_s = 1;
   constexpr int kPlayed = 20;
-  // A turn was wrong if the hypothesis from before it is seen again and the turned ball is not.
+  // A turn was wrong if the ball of the earlier hypothesis is seen again and the turned ball is not.
   std::size_t first = 0;
   for (std::size_t i = 1; i < balls_.size(); ++i) {
     const BallTrack &shown = balls_[first].track, &other = balls_[i].track;

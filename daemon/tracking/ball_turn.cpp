@@ -114,9 +114,9 @@ bool BallTrack::was_on_its_way(const BallObservation& now, const RobotTracks& ro
   return off.dot(way) > shakes_mm && std::abs(off.dot(left_of(way))) < shakes_mm;
 }
 
-/// Announces a kick from a single measurement: a held ball was kicked if it is so far ahead of its robot that
-/// even its lowest possible speed, from the previous measurement to `now`, exceeds kSlowest_mm_s. Until the
-/// next measurement, the ball's speed is assumed to be the mean of this lowest speed and kAllowed_mm_s.
+/// Announces a kick from a single measurement: a held ball was kicked if it is ahead of its robot and its
+/// lowest possible speed since the previous measurement is at least kSlowest_mm_s. Until the next
+/// measurement, the ball's speed is assumed to be the mean of this lowest speed and kAllowed_mm_s.
 void BallTrack::announce(const BallObservation& now, const RobotTracks& robots) {
   if (phase_ != Phase::kHeld || is_announced_) return;
   constexpr double kLately_s = 0.03, kSlowest_mm_s = 2000, kFastest_mm_s = 8000, kAllowed_mm_s = 6500,
@@ -286,7 +286,7 @@ const BallTrack::Branch* BallTrack::reappears(double t_s) const {
     if (branch.count == 0 || branch.lies()) continue;
     const double last_s = branch.last().t_s;
     if ((last_s - seen_s_ < kHidden_s && !is_announced_) || t_s - last_s > kLately_s) continue;
-    // After a long gap, a single measurement is equally likely to be clutter.
+    // After a long gap, a single measurement is just as likely to be clutter.
     if (last_s - seen_s_ > kLong_s && branch.count < 2) continue;
     if (!out || last_s > out->last().t_s) out = &branch;
   }

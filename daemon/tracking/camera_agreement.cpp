@@ -167,13 +167,13 @@ void CameraAgreement::see(int camera, const Seen& seen) {
 /// Returns false if the filter was not finite and was reset.
 bool CameraAgreement::compare(const Pair& pair, const Track& track) {
   const Camera &a = cameras_.at(pair.a), &b = cameras_.at(pair.b);
-  // A camera cannot see the top of a robot as high as itself.
+  // A camera cannot see the top of a robot that is as high as the camera.
   if (std::min(a.center_mm.z(), b.center_mm.z()) < pair.height_mm + limits::kMinAboveRobotMm) return true;
   const auto terms_a = terms(a, pair.place_a_mm), terms_b = terms(b, pair.place_b_mm);
   const Vector2d higher =
       outwards(a, pair.place_a_mm, pair.height_mm) - outwards(b, pair.place_b_mm, pair.height_mm);
   const Vector2d apart = pair.place_a_mm - pair.place_b_mm;
-  /// At larger distances, the measurements are of two robots, one of which was misread.
+  /// Larger distances mean two robots, one of them misread.
   constexpr double kSameRobotMm = 150;
   if (!(apart.norm() <= kSameRobotMm)) return true;
   const double ahead_s = states_[a.at + 2 * kTerms] - states_[b.at + 2 * kTerms];

@@ -20,8 +20,8 @@ namespace sslv {
 /// each robot, its own height. Only differences between cameras are observable; errors common to all cameras
 /// remain.
 ///
-/// Other computers' cameras are corrected by ours, never the other way round: the estimates of our own
-/// cameras and of robots' heights are the same with and without them.
+/// Our cameras correct other computers' cameras, never the reverse: the estimates of our own cameras and of
+/// robots' heights do not depend on other computers.
 class CameraAgreement {
  public:
   /// Mean difference between two cameras in one part of the field, without the effects of their clocks and of

@@ -161,8 +161,7 @@ bool RobotTrack::is_now_at(const RobotObservation& sighting) {
   return elsewhere_ >= kSure && sighting.t_s - seen_s_ > kNotHere_s;
 }
 
-/// A robot seen elsewhere while this one is seen here is another robot with the same id, and continues to be
-/// treated as such.
+/// If a robot with this id was just seen elsewhere, notes it as another robot, because this one is seen here.
 void RobotTrack::is_seen_here(const RobotObservation& sighting) {
   constexpr double kLately_s = 0.05, kApartMm = 150;  // no two robots are nearer
   if (elsewhere_ > 0 && std::abs(sighting.t_s - elsewhere_s_) < kLately_s &&
@@ -263,7 +262,7 @@ bool RobotTrack::add(const RobotObservation& sighting, const Circumstances& now,
 void RobotTrack::stand(const RobotObservation& sighting, const Matrix2d& noise, double moving_likelihood) {
   constexpr double kCreeps_mm2_s = 0.02;           // drift of a standing robot's position
   constexpr double kStops = 0.03, kStarts = 0.02;  // transition probabilities per measurement
-  // Between two images at nearly the same time, every robot seems to stand.
+  // Between two images at nearly the same time, every robot seems to stand still.
   constexpr double kSameTime_s = 0.004, kFaster_mm_s = 300;
   const double passed_s = sighting.t_s - stood_s_;
   if (std::abs(passed_s) < kSameTime_s) return;

@@ -41,7 +41,7 @@ class RobotTrack {
   TrackedRobot at(double t_s) const;
   /// Current state, as a track's first step.
   Step last_step() const;
-  /// Largest prediction error at `t_s` at maximum acceleration since the last measurements (mm).
+  /// Largest prediction error at `t_s` (mm), assuming maximum acceleration since the last measurements.
   double unforeseen_mm(double t_s) const;
 
   double seen_s() const { return seen_s_; }

@@ -114,7 +114,7 @@ const RobotTrack* RobotTracks::seen_by_own(const RobotName& name, double t_s) co
   if (known == own_.end() || !is_seen_steadily(name)) return nullptr;
   const RobotTrack& own = known->second;
   const Looks& looks = looks_.at(sights_.at(name).camera);
-  // A camera that takes no images is held up; after kHeldUp_s it no longer counts.
+  // A camera without new images is delayed; after kHeldUp_s it no longer counts.
   const bool is_seen = looks.taken_s[looks.newest] - own.seen_s() < RobotTrack::kGone_s &&
                        std::abs(t_s - own.seen_s()) < kHeldUp_s;
   return is_seen ? &own : nullptr;

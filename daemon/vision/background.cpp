@@ -147,7 +147,7 @@ class BoxGrower {
 }  // namespace
 
 int BackgroundFollower::random(int below) {
-  random_ = random_ * 1664525 + 1013904223;  // Numerical Recipes' generator: the upper bits are good
+  random_ = random_ * 1664525 + 1013904223;  // Numerical Recipes' generator, whose upper bits are good
   return static_cast<int>((std::uint64_t{random_} * static_cast<std::uint64_t>(below)) >> 32);
 }
 

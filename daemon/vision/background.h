@@ -16,8 +16,8 @@ struct ColorBox {
   std::array<std::uint8_t, 3> low{}, high{};
 };
 
-/// Boxes around the most frequent colours (the carpet, then the floor, the lines...), with which most of an
-/// image is labelled without looking up the table.
+/// Boxes around the most frequent colours (the carpet, then the floor, the lines...). They label most of an
+/// image without a table lookup.
 struct Background {
   static constexpr std::size_t kMaxBoxes = 8;
 

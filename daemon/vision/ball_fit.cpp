@@ -18,7 +18,7 @@ namespace {
 /// mm per mm; otherwise the ring would contain no samples. In YUV images it is only ensured to be at least
 /// one pixel wide, because the chroma samples are twice as wide and would extend further out.
 constexpr double kMarginMm = 9, kUsualPixelMm = 6.1, kMarginGrows = 1.7;
-constexpr double kWanderMm = 5;  // centres up to this far from the start have all samples
+constexpr double kWanderMm = 5;  // samples are complete for centres up to this far from the start
 constexpr int kPasses = 4;
 /// If a smaller share of the ball is visible, any object fits.
 constexpr double kMinVisible = 0.3;
@@ -235,7 +235,7 @@ bool BallFitter::read(const Frame& frame, Look& look, BallFit& out) noexcept {
           as_float(1 - n.y() * n.y()),
           as_float(frame.blur_px),
           1};
-  // The more obliquely the ball is seen, the longer is its image.
+  // The more obliquely the ball is seen, the longer its image.
   const double longest = 1 / std::abs(n.z());
 
   boost::container::static_vector<Hides, 4> hiding;

@@ -28,8 +28,7 @@ struct BallFit {
   /// Length of the vector from the carpet's colour to `color`, divided by the length of `color`.
   double contrast = 0;
   double misfit = 1;  // root mean square of the residuals, divided by the contrast
-  /// Mean colour outside the silhouette, in the one of eight directions in which it is most similar to the
-  /// ball's colour; 0: carpet, 1: ball.
+  /// Mean colour outside the silhouette, in the most ball-like of eight directions (0: carpet, 1: ball).
   double max_alike = 0;
   /// Root of the summed squares of the outline's second to fourth harmonics, by which ellipses, triangles and
   /// squares differ from a circle.

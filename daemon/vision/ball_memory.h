@@ -10,13 +10,13 @@ namespace sslv {
 
 /// Distinguishes balls from other objects in the hall by their history. An object off the field is furniture
 /// if it has never moved and did not come from the field. A ball that rolls off the field is not furniture,
-/// nor is any object on the field. Besides, an object that has not moved since the memory began, on or off
-/// the field, is not a ball if its hue differs from the hue of the balls that have moved: balls that have
-/// moved show the colour of balls in this hall more exactly than any table. An object that was put down later
-/// is not judged by its hue, because it may be a ball in different light.
+/// nor is any object on the field. Also, an object that has not moved since the memory began, on or off the
+/// field, is not a ball if its hue differs from the hue of the balls that have moved: balls that have moved
+/// show the colour of balls in this hall more exactly than any table. An object that appeared later is not
+/// judged by its hue, because it may be a ball in different light.
 class BallMemory {
  public:
-  /// Call before an image's detections. Forgets everything if time has gone back.
+  /// Call before an image's detections. Forgets everything if the time jumps back.
   void begin(double now_s) noexcept;
   struct Known {
     bool as_furniture = false;

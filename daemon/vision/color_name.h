@@ -27,11 +27,11 @@ inline constexpr double kClippedGrey = 250;
 std::array<double, 3> unclipped(const std::array<double, 3>& contrast, const std::array<double, 3>& color,
                                 const std::array<double, 3>& chromaticity) noexcept;
 
-/// Names the colour of an evenly coloured object. Compares the chromaticity of the object's contrast to the
-/// black or dark ground, which does not change with the light, with the chromaticity of each label in the
-/// table. Also looks up the object's colour in the table, because this colour has less noise than a single
-/// pixel. For each label, clipped channels count with the values that are nearest to the label. `contrast`
-/// and `color` are in grey levels: red, green, blue. `allowed` has at least one label.
+/// Names the colour of an evenly coloured object. Compares the chromaticity of each label in the table with
+/// the chromaticity of the object's contrast to the black or dark ground: neither changes with the light.
+/// Also looks up the object's colour in the table, because this colour has less noise than a single pixel.
+/// For each label, clipped channels count with the values that are nearest to the label. `contrast` and
+/// `color` are in grey levels: red, green, blue. `allowed` has at least one label.
 ColorName name_color(const std::array<double, 3>& contrast, const std::array<double, 3>& color,
                      const Lut& lut, std::span<const Label> allowed) noexcept;
 

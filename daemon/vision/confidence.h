@@ -19,13 +19,13 @@ double confidence_of(const RobotEvidence& evidence) noexcept;
 /// Evidence that a region is a ball.
 struct BallEvidence {
   double r2 = 0;             // see BallFit
-  double moved_share = 0;    // distance between region and fit, over the radius
+  double moved_share = 0;    // distance between region and fit / radius
   double clear_share = 1;    // see BallFit
   double misfit = 1;         // see BallFit
-  double out_of_round = 0;   // BallFit::out_of_round_mm over its sigma and 3.5 % of the radius, in quadrature
-  double radius_off = 0;     // error of the fitted radius over its sigma and 8 % of the radius, in quadrature
-  double radius_sigma = 1;   // sigma of the fitted radius, over the radius
-  double area_ratio = 1;     // area of the region over the area of the ball's visible part
+  double out_of_round = 0;   // BallFit::out_of_round_mm / (its sigma and 3.5 % of the radius, in quadrature)
+  double radius_off = 0;     // error of the fitted radius / (its sigma and 8 % of the radius, in quadrature)
+  double radius_sigma = 1;   // sigma of the fitted radius / radius
+  double area_ratio = 1;     // area of the region / area of the ball's visible part
   double visible_share = 1;  // see BallFit
   bool is_orange = true;     // the table's nearest label to the fitted colour is orange
   double color_off = 0;      // see ColorName

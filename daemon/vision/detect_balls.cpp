@@ -47,11 +47,11 @@ double outside_mm(const FieldSize& field, const Eigen::Vector2d& place_mm) {
   return in_goal ? std::min(0.0, beyond_x) : std::max(beyond_x, beyond_y);
 }
 
-/// Excess width (mm) of the segmentation's cells over the cells of the images to which the confidence was
-/// fitted; 0 if it is small.
+/// By how many mm the segmentation's cells are wider than in the images to which the confidence was fitted; 0
+/// if the difference is small.
 double coarser_mm(const CameraModel& camera, const ImageView& image, const Eigen::Vector2d& pixel,
                   double radius_mm) {
-  // Cell widths over the radius: Bayer quads in images of 0.18 px/mm (kUsual) and 0.12 px/mm (kCoarse). Up to
+  // Cell width / radius: Bayer quads in images of 0.18 px/mm (kUsual) and 0.12 px/mm (kCoarse). Up to
   // kCoarse, one fit from a region's centroid is sufficient; five fits for each region would cost too much in
   // a hall full of orange objects.
   constexpr double kUsual = 0.55, kCoarse = 0.75;
@@ -65,8 +65,8 @@ double max_confidence_of(BallEvidence e) {
   return confidence_of(e);
 }
 
-/// Limits if cells are coarse: kUnsure for the sigma of the radius over the radius, kOffColor for the
-/// distance of the colour in spreads of the ball's colour.
+/// Limits if cells are coarse: kUnsure for the radius's sigma / radius, kOffColor for the distance of the
+/// colour in spreads of the ball's colour.
 constexpr double kUnsure = 0.35, kOffColor = 0.5;
 /// A ball is partly hidden if a share of less than kHidden is visible. Then more fits start kAside radii to
 /// each side of the region's centroid.

@@ -20,7 +20,7 @@ namespace sslv {
 /// Finds balls. Regions of the ball's colour give start positions, from which a sphere is fitted to the
 /// image's own samples (BallFitter). Size, roundness, colour and surroundings give the confidence. A region
 /// on a robot's top is part of its pattern; parts of a ball that a robot hides are left out of the fit.
-/// Objects that have stood off the field since they were first seen are furniture and are not reported
+/// Objects that have not moved since they were first seen off the field are furniture and are not reported
 /// (BallMemory).
 class DetectBalls {
  public:
@@ -61,8 +61,8 @@ class DetectBalls {
                const FrameInfo& info, const Image& image, const RegionList& regions, const RobotList& robots,
                BallList& balls) noexcept;
 
-  /// `area_ratio`: area of the region over the area of a ball; `coarser_mm`: excess width of the
-  /// segmentation's cells over the cells of the images to which the confidence was fitted.
+  /// `area_ratio`: area of the region / area of a ball; `coarser_mm`: by how much the segmentation's cells
+  /// are wider than in the images to which the confidence was fitted.
   static BallEvidence evidence_of(const BallFit& fit, const Scene& scene, const Lut& lut, double area_ratio,
                                   double coarser_mm = 0);
 

@@ -84,8 +84,8 @@ void DetectRobots::process(const Params& params, const Scene& scene, const Patte
   }
   search_from_memory(params, frame, scene, mask);
   // Searches for robots whose centre dot has no region, from the remaining side dots. This is the last
-  // search, because a board beside the carpet may have so many regions of these colours that they would use
-  // up the work limit.
+  // search, because a board beside the carpet may have enough regions of these colours to use up the work
+  // limit.
   for (const Team team : {Team::kYellow, Team::kBlue}) {
     const double height_mm = scene.height_of(team);
     if (team == Team::kBlue && height_mm == scene.height_of(Team::kYellow)) break;

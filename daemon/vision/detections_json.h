@@ -9,7 +9,7 @@
 
 namespace sslv {
 
-/// {"robots": [...], "balls": [...]} as docs/openapi.json says: millimetres, radians, pixels of the camera's
+/// {"robots": [...], "balls": [...]} as in docs/openapi.json: millimetres, radians, pixels of the camera's
 /// image.
 Json detections_json(const RobotList& robots, const BallList& balls);
 

@@ -56,7 +56,7 @@ struct DiscFit {
   double r2 = 0;                     // share of the samples' variance that a disc there explains
   struct Plane {
     double contrast = 0;  // in the image's own colour space
-    double spread = 0;    // noise variance of a sample over the contrast's: equivalent number of samples
+    double spread = 0;    // sample's noise variance / contrast's variance: equivalent number of samples
     double left = 0;      // residual sum of squares
     double free = 0;      // degrees of freedom
     // Contribution of this plane to information and gradient, times the variance of one sample's noise.

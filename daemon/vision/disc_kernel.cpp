@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compiled once for each instruction set: Highway includes this file again and again.
+// Highway includes this file once for each instruction set.
 #include "vision/disc_kernel.h"
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "vision/disc_kernel.cpp"
-// For the reasons see segment_kernel.cpp.
+// See segment_kernel.cpp for the reasons.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #include <hwy/foreach_target.h>
 // After foreach_target.h:
@@ -58,8 +58,8 @@ HWY_INLINE float TotalOf(D d, hn::Vec<D> v) {
 }
 #endif
 
-/// A sum over samples in kPad parts, whatever the number of lanes: part i sums the samples i, i + kPad and so
-/// on. Total() adds the parts.
+/// A sum over samples in kPad parts, for any number of lanes: part i sums the samples i, i + kPad and so on.
+/// Total() adds the parts.
 class Sum {
  public:
   HWY_INLINE Sum() {

@@ -20,7 +20,7 @@ struct SampleGrid {
   int planes;
   std::array<int, 3> offset;
   float middle_x;  // centre of a sample, relative to its first pixel
-  float wide_px;   // how wide a sample is
+  float wide_px;   // width of a sample
 };
 
 /// Samples, with their positions relative to a patch's pixel.
@@ -51,7 +51,7 @@ struct DiscTemplate {
   KernelPatch patch;
   float x, y, radius, outer_radius;
   float outline_x, outline_y, outline_cos, outline_sin, outline_radius, outline_front;
-  float blur_px, wide_px;  // how wide a sample is
+  float blur_px, wide_px;  // width of a sample
 };
 
 /// Sums over the samples within the outer radius and the outline. t is the share of a sample that the disc

@@ -101,7 +101,7 @@ bool FloodCut::append(const Band& band, std::size_t max_runs, std::vector<Run>& 
     const Run run = band.runs[i];
     Run part = run;
     std::size_t block = block_of(run);
-    // The parts of a run in neighbouring blocks from which its label is not cut stay one run.
+    // A run is not split between neighbouring blocks that keep its label.
     for (int x = run.x_begin; x < run.x_end; ++block) {
       const int end = std::min<int>(run.x_end, (x / kBlockCells + 1) * kBlockCells);
       if (is_cut(block, run.label)) {
@@ -138,7 +138,7 @@ void FloodCut::cut_fullest(std::span<const Band> bands, std::size_t max_runs) {
   }
   std::fill(is_counted_.begin(), is_counted_.end(), std::uint8_t{1});
 
-  // runs[n]: number of runs in all pairs of a block and a label with n runs.
+  // runs[n]: total number of runs in those pairs of a block and a label that have n runs each.
   std::array<std::size_t, kMaxOfLabel + 1> runs{};
   const auto for_each = [&](auto what) {
     for (std::size_t block = 0; block < counts_.size(); ++block) {

@@ -13,15 +13,15 @@
 
 namespace sslv {
 
-/// Removes the runs of labels that flood an image (that have too many runs), so that the rest of the image is
+/// Removes the runs of labels that flood an image (have too many runs), so that the rest of the image is
 /// searched in bounded time.
 ///
 /// The image is divided into blocks of 64 x 64 cells. In each block a label may have 768 runs; a run that
-/// extends over several blocks counts in each of them. Robots that stand as close together as the rules allow
-/// have about 100 runs; more runs are speckle, for example of green in dim light, among which dots are still
-/// found. A label with more than 768 runs is cut from the block: its cells in the block count as clear. All
-/// labels are cut from a block if at least four labels have speckle (more than 240 runs together, counting at
-/// most 64 runs of each label) or if all labels together have more than 1024 runs: nothing can be
+/// extends over several blocks counts in each of them. Robots at the smallest distance that the rules allow
+/// have about 100 runs; more runs are speckle, for example of green in dim light. Dots are still found among
+/// this speckle. A label with more than 768 runs is cut from the block: its cells in the block count as
+/// clear. All labels are cut from a block if at least four labels have speckle (more than 240 runs together,
+/// counting at most 64 runs of each label) or if all labels together have more than 1024 runs: nothing can be
 /// distinguished in such a block. If the remaining runs still exceed the cap of the whole image, the pairs of
 /// a block and a label with the most runs are cut until the remaining runs fit.
 ///

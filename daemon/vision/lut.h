@@ -63,8 +63,8 @@ struct ColorTable {
 
   int bits;                   // per channel, kMinBits .. kMaxBits
   std::vector<Label> labels;  // ordered U, V, Y, with Y innermost
-  /// Known, for instance, if the table was learnt from prints. The table's cells are a worse source of these
-  /// colours, because the cells that a label lost to surfaces are missing on one side of the colour.
+  /// Known, for instance, if the table was learnt from prints. The table's cells are a worse source: if a
+  /// label lost cells to surfaces, these cells are missing on one side of its colour.
   Prints prints{};
 };
 
@@ -100,7 +100,7 @@ struct LutTable {
   Label of(std::uint8_t a, std::uint8_t b, std::uint8_t c) const { return labels[index(a, b, c, bits)]; }
 
   int bits = kBits;           // per channel: 7 or 8
-  std::vector<Label> labels;  // ordered as index() says
+  std::vector<Label> labels;  // ordered by index()
   /// The label that all colours of a block of 4x4x4 levels (2^(8-kBlockBits) per channel) share, or kMixed;
   /// ordered like `labels`.
   std::vector<Label> blocks;
@@ -200,7 +200,7 @@ class Lut {
 
 /// A colour class defined by hue and saturation instead of single table cells, so that it is valid for a
 /// range of light. Hue: angle of (U-128, V-128), counter-clockwise from +U. Saturation: length of (U-128,
-/// V-128) over the luma.
+/// V-128) divided by the luma.
 struct ColorClass {
   std::string label;                           // a LabelSet's name
   std::array<int, 2> luma{0, 255};             // Y

@@ -37,10 +37,10 @@ enum class BackgroundLabels {
 /// clear. In doubt a cell is background. Samples that are averages of many pixels do not show the noise:
 /// `noise_grey` is the noise of a pixel (sigma), if it is known.
 ///
-/// Limits: objects without samples are left out only beyond four tolerances. In light below a tenth, the
-/// tolerance is larger than the distances between the colours. A label without samples is not in the table;
-/// without samples of field, white or black, cells with such colours may get the label of a print or the
-/// ball. Takes 40 to 80 ms.
+/// Limits: objects without samples are left out only beyond four tolerances. In less than a tenth of normal
+/// light, the tolerance is larger than the distances between the colours. A label without samples is not in
+/// the table; without samples of field, white or black, cells with such colours may get the label of a print
+/// or the ball. Takes 40 to 80 ms.
 ColorTable table_from_samples(std::span<const ColorSample> samples,
                               BackgroundLabels background = BackgroundLabels::kClear, double noise_grey = 0);
 /// The table of table_from_samples(), prepared for lookup.

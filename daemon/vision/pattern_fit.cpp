@@ -33,9 +33,9 @@ constexpr double kMaxStepMm = 12, kMaxTurnRad = 0.25;
 /// positions may therefore be further off than the limits above.
 constexpr double kCellReach = 0.7;
 /// Samples this near to the rim of the top are left out: robots differ, and the rim is blurred (kRimSigmas).
-/// The dots' edges lie there too, so each millimetre that is left out costs accuracy; beyond the front edge
-/// there is mostly the robot's own dark wall, so less is left out there. With large pixels, no samples would
-/// remain without the maximum.
+/// The dots' edges lie there too, so each millimetre that is left out costs accuracy. Beyond the front edge
+/// there is mostly the robot's own dark wall, so less is left out at the front. Without the maximum, large
+/// pixels would leave no samples.
 constexpr double kRimMm = 3, kRimSigmas = 1.5, kMaxRimMm = 12;
 constexpr double kFrontRimMm = 2, kFrontRimSigmas = 0.8, kMaxFrontRimMm = 7;
 /// Width of the sampled ring around a disc: kMarginPx, but at least kMinMarginMm and at most kMaxMarginMm and

@@ -46,7 +46,7 @@ void RobotMemory::remember(const RobotList& robots, double now_s, const RowTimes
       entries_.push_back(now);
       continue;
     }
-    if (known->frame_s == now_s) continue;  // a duplicate comes after the better detection
+    if (known->frame_s == now_s) continue;  // a duplicate follows the better detection
     const double dt = now.seen_s - known->seen_s;
     const double dx = robot.x_mm - known->x_mm, dy = robot.y_mm - known->y_mm;
     if (dt > 0 && std::hypot(dx, dy) < kFastestRobotMmS * dt) {

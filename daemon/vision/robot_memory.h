@@ -41,8 +41,8 @@ class RobotMemory {
     }
   };
 
-  /// Forgets entries older than `keep_s`, and entries that are not older than `now_s` because time has gone
-  /// back.
+  /// Forgets entries older than `keep_s`, and entries that are not older than `now_s` because the time has
+  /// jumped back.
   void forget(double now_s, double keep_s) noexcept;
   /// `robots` have the positions at which the image's rows show them.
   void remember(const RobotList& robots, double now_s, const RowTimes& rows = {}) noexcept;

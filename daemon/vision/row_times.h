@@ -8,8 +8,8 @@
 namespace sslv {
 
 /// Exposure times of an image's rows. A rolling shutter exposes the rows one after the other at equal
-/// intervals; the frame's time is the exposure time of the middle row. By default all rows are exposed at
-/// once.
+/// intervals; the frame's time is the exposure time of the middle row. By default, all rows are exposed
+/// simultaneously.
 class RowTimes {
  public:
   RowTimes() = default;

@@ -19,8 +19,8 @@
 
 namespace sslv {
 
-/// Threshold, FindRuns and FindRegions in one: the same runs and regions, bit by bit, without a labelled
-/// image, at nearly the speed of reading the image once (docs/benchmarks.md).
+/// Combines Threshold, FindRuns and FindRegions: makes the same runs and regions, bit for bit, without a
+/// labelled image, at nearly the speed of reading the image once (docs/benchmarks.md).
 class Segment {
  public:
   struct Params {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compiled once for each instruction set: Highway includes this file again and again.
+// Highway includes this file once for each instruction set.
 #include "vision/segment_kernel.h"
 
 #include "vision/rough_yuv.h"

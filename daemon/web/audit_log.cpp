@@ -85,7 +85,7 @@ AuditLog::Lines AuditLog::take_due(double now_s, double period_s) {
     if (now_s - counted.since_s < period_s) {
       ++entry;
     } else if (counted.by_status.empty()) {
-      entry = of_address_.erase(entry);  // the address' next request gets a line again
+      entry = of_address_.erase(entry);  // the address's next request is logged again
     } else {
       lines.push_back(summary(address, counted.by_status, now_s - counted.since_s, counted.last));
       counted = {now_s, {}, {}};

@@ -209,7 +209,7 @@ std::vector<CameraFeed::Delivery> CameraFeed::take_due(const View& view) {
   for (Watcher& watcher : watchers_) {
     if (!watcher.is_due(now) || watcher.seen_version >= view.version) continue;
     watcher.seen_version = view.version;
-    // Relative to when it was due, not to the current time, so that a slightly late view does not lower the
+    // Relative to the due time, not to the current time, so that a slightly late view does not lower the
     // rate.
     watcher.due = std::max(watcher.due + watcher.interval, now + watcher.interval / 2);
     if (watcher.wish) watcher.in_flight = view.frame_number;

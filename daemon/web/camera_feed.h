@@ -18,7 +18,7 @@
 
 namespace sslv {
 
-/// Returns the JPEG within a preview message, which starts with a header that has its own length.
+/// Returns the JPEG at the end of a preview message, after the header.
 std::span<const char> jpeg_in(const std::string& preview_message);
 
 /// Sends one camera's images and detections to the viewers on its own thread: fetches a view when a viewer is
@@ -43,7 +43,7 @@ class CameraFeed {
   /// it again changes the wish.
   void start_preview(ViewerId viewer, const PreviewWish& wish, Sink sink);
   void acknowledge(ViewerId viewer, std::uint32_t frame_number);
-  /// Acknowledges the frame in flight, whichever it is.
+  /// Acknowledges the frame in flight, regardless of its number.
   void acknowledge(ViewerId viewer);
   void stop_preview(ViewerId viewer);
 
@@ -55,7 +55,7 @@ class CameraFeed {
   using Clock = std::chrono::steady_clock;
   struct Watcher {
     ViewerId viewer;
-    std::optional<PreviewWish> wish;  // none: wants detections
+    std::optional<PreviewWish> wish;  // none: the viewer wants detections
     Sink sink;
     Clock::duration interval;
     Clock::time_point due;                     // no message before this time

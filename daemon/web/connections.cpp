@@ -10,8 +10,8 @@
 namespace sslv {
 namespace {
 
-// Shares of all connections, as divisors: at most 1/2 for one address, 1/2 for the viewers of all strangers,
-// 1/4 for the viewers of one address; 1/8 is reserved for trusted addresses.
+// Shares of all connections, as divisors: at most 1/2 for one address, 1/2 for all untrusted viewers, 1/4 for
+// the viewers of one address; 1/8 is reserved for trusted addresses.
 constexpr std::size_t kPartOfAddress = 2, kPartOfViewers = 2, kPartOfAddressViewers = 4, kPartKept = 8;
 // An address has many connections if it has 1/16 of all: more than one person's browser needs.
 constexpr std::size_t kPartThatIsMany = 16;

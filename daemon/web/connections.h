@@ -19,20 +19,19 @@ namespace sslv {
 /// At the limit, a new connection is accepted if another connection can be closed for it: a connection that
 /// waits for a request (idle, or with part of a request received), or whose answer takes longer than
 /// kSendPatience_s. The address with most connections loses a connection first; among equals, the connection
-/// that has been in its state for longest is closed. If there is no candidate, an address with many
-/// connections loses the connection whose answer takes longest, if that takes longer than
-/// kSendPatienceWithMany_s. So a client that sends its request at once is served, no matter how many clients
-/// send none. Viewers (WebSockets and image streams) are never closed for a new connection; instead, their
-/// number is limited.
+/// that has been in its state for longest is closed. Without a candidate, an address with many connections
+/// loses the connection whose answer takes longest, if that exceeds kSendPatienceWithMany_s. So a client that
+/// sends its request at once is served, even if many other clients send none. Viewers (WebSockets and image
+/// streams) are never closed for a new connection; instead, their number is limited.
 ///
-/// Part of the connections is reserved for trusted addresses: strangers can never use all of them.
+/// Some connections are reserved for trusted addresses: untrusted addresses can never use all connections.
 ///
 /// Memory for data that waits for clients is limited too: unsent answers, images and messages, and bodies of
-/// requests still being received. There is a limit for all strangers together, for each stranger's address,
-/// and for all trusted addresses together. Above a limit, a client that has transferred no byte for
-/// kSendPatience_s is closed, beginning with the address that holds most memory. For an address that holds
-/// much memory, kSendPatienceWithMany_s suffices unless the client is a viewer. If no client is that slow,
-/// the new data is refused.
+/// requests still being received. There is a limit for all untrusted addresses together, for each untrusted
+/// address, and for all trusted addresses together. Above a limit, a client that has transferred no byte for
+/// kSendPatience_s is disconnected, beginning with the address that holds most memory. For an address that
+/// holds much memory, kSendPatienceWithMany_s suffices unless the client is a viewer. If no client is that
+/// slow, the new data is refused.
 ///
 /// Seats may be released from any thread; all other functions are for the socket's thread.
 class Connections {
@@ -48,8 +47,8 @@ class Connections {
 
   class Seat;
 
-  /// `max`: connections at once, viewers included. `unsent`: counts answers, messages and
-  /// requests that are dropped because too much data waits.
+  /// `max`: simultaneous connections, viewers included. `unsent`: counts answers, messages and requests that
+  /// are dropped because too much data waits.
   Connections(int max, Clock now_s, std::atomic<std::uint64_t>& unsent);
   Connections(const Connections&) = delete;
   Connections& operator=(const Connections&) = delete;
@@ -91,7 +90,7 @@ class Connections {
   Sums strangers_, trusted_;  // sums over seats_
 };
 
-/// One connection's seat. It counts until it is destroyed or told to close.
+/// One connection's seat. It counts until it is destroyed or asked to close.
 class Connections::Seat : public std::enable_shared_from_this<Connections::Seat> {
  public:
   Seat(Connections& connections, std::string network, bool is_trusted);
@@ -99,7 +98,7 @@ class Connections::Seat : public std::enable_shared_from_this<Connections::Seat>
   Seat(const Seat&) = delete;
   Seat& operator=(const Seat&) = delete;
 
-  /// Sets the function that closes this connection for the sake of another one. It is called from within
+  /// Sets the function that closes this connection to make room for another one. It is called from within
   /// admit() or another seat's holds() and must not destroy the seat.
   void closes_by(std::function<void()> close);
 

@@ -28,7 +28,7 @@ inline constexpr std::string_view kOtherSite = "this request comes from a page o
 
 /// Whether a Host header names this computer: by address, as localhost, by its host name (also with .local)
 /// or by one of `names`. False for a page of another site whose name was made to resolve to this computer
-/// (DNS rebinding). Empty is allowed: browsers always send one.
+/// (DNS rebinding). An empty header is allowed, because browsers never omit it.
 bool is_own_name(std::string_view host, const std::vector<std::string>& names);
 /// The text of the refusal if a Host header does not name this computer.
 std::string not_own_name(std::string_view host);

@@ -41,11 +41,11 @@ constexpr std::uint32_t kMaxHeaderBytes = 16 * 1024;
 constexpr std::chrono::seconds kRequestTimeout{20};       // from a request's first byte to its last
 constexpr std::chrono::seconds kLargeRequestTimeout{90};  // the same for a file that an admin sends
 constexpr int kMaxLargeBytes = 8 * 1024 * 1024;  // sum over all large requests; one alone always fits
-constexpr int kMaxSentFiles = 16;                // sent at once; each keeps a file open
+constexpr int kMaxSentFiles = 16;                // sent simultaneously; each keeps a file open
 constexpr std::chrono::seconds kAnswerTimeout{60};
 constexpr std::chrono::seconds kDrainTimeout{2};
 constexpr std::size_t kPieceBytes = 128 * 1024;  // chunk size for files and other answers
-/// A larger kernel buffer would hide for seconds that a slow client is still receiving bytes.
+/// With a larger kernel buffer, a slow client would seem to receive nothing for seconds.
 constexpr int kMaxUnsentInKernel = 64 * 1024;
 
 std::string_view view(beast::string_view text) {
@@ -81,7 +81,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   }
 
   void read_header() {
-    // Most likely TLS: the end of a header would never come.
+    // Most likely TLS, which never contains the end of a header.
     if (std::isalpha(static_cast<unsigned char>(received_.front())) == 0)
       return refuse(400, "not a valid HTTP request");
     stream_.expires_after(kRequestTimeout);
@@ -187,7 +187,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     const Speed speed =
         size > kLargeRequestBytes ? Speed::kTakesMemory : context_.router.speed_of(method, target);
     auto work = [self = shared_from_this(), request = std::exchange(received_, std::move(following))] {
-      if (self->context_.workers.stopped()) return;  // a strand runs everything in its queue
+      if (self->context_.workers.stopped()) return;  // a strand still runs its queue after the stop
       HttpAnswer answer = self->context_.router.answer(request, self->remote_address_);
       asio::post(self->stream_.get_executor(),
                  [self, answer = std::move(answer)]() mutable { self->answer(std::move(answer)); });

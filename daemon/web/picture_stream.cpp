@@ -87,7 +87,7 @@ class PictureStream : public std::enable_shared_from_this<PictureStream> {
   }
 
   void write() {
-    stream_.expires_after(kStallTimeout);  // for each write: a slow client does not count as gone
+    stream_.expires_after(kStallTimeout);  // applies to each write: a slow client does not count as gone
     stream_.async_write_some(*unsent_,
                              [self = shared_from_this()](beast::error_code error, std::size_t size) {
                                if (error) return self->leave();

@@ -20,9 +20,9 @@ struct HeaderRefusal {
 /// as received.
 ///
 /// Two libraries parse the header: Beast to find the end of the request, httplib to interpret it. Anything
-/// they might read differently is refused: repeated headers that decide something, and headers continued on a
-/// second line. The address and every Range must be short: httplib matches them with std::regex, which
-/// recurses for every character.
+/// they might read differently is refused: repeats of the headers that affect the answer, and headers
+/// continued on a second line. The address and every Range must be short: httplib matches them with
+/// std::regex, which recurses for every character.
 std::optional<HeaderRefusal> check_header(const boost::beast::http::request_header<>& header,
                                           std::string_view bytes);
 

@@ -36,7 +36,7 @@ struct Request {
   std::stop_token stop{};                    // stopped when the service ends: long work may be abandoned
 };
 
-/// A file to send after a response's head, with the size that it had when it was opened.
+/// A file to send after a response's head, and its size when it was opened.
 struct SentFile {
   std::shared_ptr<const int> descriptor;  // closed on destruction
   std::uint64_t bytes = 0;
@@ -50,7 +50,7 @@ struct Response {
   std::vector<std::pair<std::string, std::string>> headers{};
   std::optional<StreamWish> stream{};  // images follow; only for routes that stream, with `type` kStreamType
   std::optional<SentFile> file{};      // a file follows; only for routes that stream
-  bool only_tried = false;             // nothing was changed, whatever the method: not in the audit log
+  bool only_tried = false;             // nothing was changed, so it is not in the audit log
 };
 
 /// Thrown by a handler to answer with this status and {"error": what()}, extended by the members of `more`.
@@ -89,8 +89,8 @@ struct Route {
   Needs needs = Needs::kByMethod;
   Speed speed = Speed::kMayWait;
   bool streams = false;  // images or a file may follow its response, which is then the last of its connection
-  /// Limit for the request's body. Above kMaxBodyBytes only clients that may change something are served, a
-  /// few at once, and the pattern must be the literal path.
+  /// Limit for the request's body. Bodies above kMaxBodyBytes are accepted only from clients that may change
+  /// something, a few at a time, and only if the pattern is a literal path.
   std::size_t max_body = kMaxBodyBytes;
 };
 

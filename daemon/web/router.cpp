@@ -273,14 +273,14 @@ void set_caching(std::span<const Route> routes, const httplib::Request& request,
 
 class Router::HttpServer : public Server {
  public:
-  /// The socket is never used, but httplib 0.18 sends no file of a server without one.
+  /// The socket is never used, but a server of httplib 0.18 sends no files without one.
   HttpServer() { svr_sock_ = INVALID_SOCKET - 1; }
   using Server::process_request;  // normally called by httplib's sockets
 };
 
 namespace {
 
-/// process_request() of this computer's version of httplib; 0.18 also takes addresses.
+/// process_request() of the installed version of httplib; 0.18 also takes addresses.
 template <class HttpServer>
 bool process(HttpServer& server, MemoryStream& stream, const std::string& remote_address, bool& is_last,
              const std::function<void(httplib::Request&)>& prepare) {
@@ -334,7 +334,7 @@ HttpAnswer Router::answer(std::string_view request, const std::string& remote_ad
   body_of_request = request.substr(std::min(request.size(), header_size));
   MemoryStream stream(request.substr(0, header_size), remote_address);
   bool is_valid = false, is_last = false, is_head = false;
-  std::string cookies;  // httplib has destroyed its request when the answer is ready
+  std::string cookies;  // httplib destroys its request before the answer is ready
   const auto prepare = [&](httplib::Request& parsed) {
     is_valid = true;
     is_head = parsed.method == "HEAD";
@@ -349,8 +349,8 @@ HttpAnswer Router::answer(std::string_view request, const std::string& remote_ad
     is_sent_packed = may_be_packed && takes_gzip(parsed.get_header_value("Accept-Encoding"));
     if (is_sent_packed) parsed.path = packed;
     // httplib's handling of these headers can cost far more than the request itself: it would unpack a small
-    // body to gigabytes, send a large answer a thousand times, or compress it. Bodies are JSON, whatever type
-    // they declare.
+    // body to gigabytes, send a large answer a thousand times, or compress it. All bodies are JSON,
+    // regardless of their declared type.
     for (const char* name :
          {"Accept-Encoding", "Content-Encoding", "Content-Length", "Content-Type", "Expect", "Range"})
       parsed.headers.erase(name);

@@ -32,13 +32,13 @@ struct HttpAnswer {
   std::optional<SentFile> file{};      // a file follows these bytes, then the connection ends
 };
 
-/// Turns a request's bytes into its answer's: cpp-httplib without its sockets. Routes are tried from first to
-/// last, then the panel's files. If the panel's build has compressed a file (NAME.gz beside NAME), clients
-/// that accept gzip get the compressed file; the router compresses nothing.
+/// Turns the bytes of a request into the bytes of its answer: cpp-httplib without its sockets. Routes are
+/// tried from first to last, then the panel's files. If the panel's build has compressed a file (NAME.gz
+/// beside NAME), clients that accept gzip get the compressed file; the router compresses nothing.
 class Router {
  public:
-  /// `gate` must outlive the router. Without the panel's directory, the panel's address explains how to build
-  /// the panel. `stop`: passed on with all requests.
+  /// `gate` must outlive the router. If the panel's directory is missing, the panel's address explains how to
+  /// build the panel. `stop`: passed on with all requests.
   Router(Gate& gate, std::vector<Route> routes, const std::filesystem::path& panel_directory,
          std::stop_token stop = {});
   ~Router();

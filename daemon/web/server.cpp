@@ -61,7 +61,7 @@ constexpr double kUnsentPeriod_s = 60;
 
 using ReusePort = asio::detail::socket_option::boolean<SOL_SOCKET, SO_REUSEPORT>;
 
-/// `shares_port`: another socket of this program has the same port; both may have it until the other one
+/// `shares_port`: another socket of this program uses the same port; both share it until the other one
 /// closes.
 tcp::acceptor listen(asio::io_context& io, const std::string& text, int port, bool shares_port = false) {
   error_code error;
@@ -117,7 +117,8 @@ class Listener {
 
   /// See WebServer::move_to().
   std::function<void()> move_to(const std::string& address, int port) {
-    // The same port on 127.0.0.1 and on all addresses can be bound at once only if both sockets allow it.
+    // The same port on 127.0.0.1 and on all addresses can be bound simultaneously only if both sockets allow
+    // it.
     share_port(true);
     std::shared_ptr<tcp::acceptor> next;
     try {

@@ -25,8 +25,8 @@ struct TarAround {
   std::string before, after;
 };
 
-/// Returns the bytes around the last file of a .tar of these files and a last file of `size` bytes, which is
-/// too large to hold in memory.
+/// Returns the bytes of a .tar before and after its last file, which has `size` bytes and is too large to
+/// hold in memory. `entries`: the files before it.
 TarAround tar_around(const std::vector<TarEntry>& entries, const std::string& name, std::uint64_t size,
                      std::time_t modified);
 

@@ -52,7 +52,7 @@ class ViewSource {
                                         std::chrono::milliseconds timeout) = 0;
 };
 
-/// The image that a viewer sees of a frame: the camera's own or the labelled one.
+/// The kind of image that a viewer gets: the camera's own or the labelled one.
 enum class PictureKind : std::uint8_t { kCamera, kLabels };
 
 inline constexpr std::array kPictureChoices{Choice<PictureKind>{"camera", PictureKind::kCamera},
@@ -71,8 +71,8 @@ struct Picture {
   Chroma chroma;  // for encoding
 };
 
-/// Returns the wished image of a view, or the camera's image if there is no labelled image. A labelled image
-/// is drawn into `buffer`.
+/// Returns the requested image of a view, or the camera's image if there is no labelled image. A labelled
+/// image is drawn into `buffer`.
 inline Picture picture_of(const View& view, PictureKind wished, std::vector<std::uint8_t>& buffer) {
   if (wished == PictureKind::kLabels && view.draw_labels)
     return {wished, view.draw_labels(buffer), Chroma::kFull};

@@ -131,7 +131,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
 
   void start(const WebSocketHub::UpgradeRequest& request) {
     namespace websocket = beast::websocket;
-    // Posted, because this is called while messages are being handed out.
+    // Posted, because this is called while messages are being distributed.
     seat_.closes_by([weak = weak_from_this(), executor = stream_.get_executor()] {
       asio::post(executor, [weak] {
         if (const auto self = weak.lock()) self->leave();

@@ -35,7 +35,7 @@ class WebSocketHub {
   using UpgradeRequest = boost::beast::http::request<boost::beast::http::empty_body>;
   static constexpr std::string_view kPath = "/api/ws";
 
-  /// All must outlive the hub. Topics are made on `workers`.
+  /// All references and topics must outlive the hub. Topics are made on `workers`.
   WebSocketHub(boost::asio::io_context& io, boost::asio::io_context& workers, ViewSource& views,
                std::vector<Topic*> topics, CameraFeeds& feeds, WebCounters& counters);
 

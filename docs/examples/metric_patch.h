@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What record_patches writes and learned_balls looks at, so that a network sees in a match what it has
-// learnt.
+// record_patches and learned_balls extract patches with the same code, so that the network gets the same kind
+// of input in a match as in training.
 
 #include <array>
 #include <cmath>
@@ -11,12 +11,12 @@
 #include <image/pixel_at.h>
 #include <kit/stages.h>
 
-/// Row by row.
+/// Pixels, row by row.
 constexpr int kPatchSide = 12;
 using Patch = std::array<sslv::Rgb, kPatchSide * kPatchSide>;
 
-/// The square of side_mm around a place on the plane z = height: a ball has the same size in it wherever the
-/// camera sees it. Outside the image it is black.
+/// The square of side_mm around a point on the plane z = height: a ball has the same size in the patch
+/// wherever it is in the image. Pixels outside the image are black.
 inline Patch metric_patch(const sslv::ImageView& image, const sslv::CameraModel& camera, double x_mm,
                           double y_mm, double height_mm, double side_mm) {
   Patch out{};

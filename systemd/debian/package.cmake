@@ -24,19 +24,19 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_SERVICE_PACKAGE_NAME ssl-visiond)
 set(CPACK_DEBIAN_SERVICE_PACKAGE_SECTION misc)
 set(CPACK_DEBIAN_SERVICE_PACKAGE_SHLIBDEPS ON)
-# To create its user if systemd is not the init system.
+# Creates its user, even if systemd is not the init system.
 set(CPACK_DEBIAN_SERVICE_PACKAGE_DEPENDS "systemd | systemd-standalone-sysusers")
-# Packet times are compared with the clocks of other computers; udev gives the service access to cameras.
+# Teams compare packet times with the clocks of their computers; udev gives the service access to cameras.
 set(CPACK_DEBIAN_SERVICE_PACKAGE_RECOMMENDS "systemd-timesyncd | time-daemon, udev, dbus")
 set(CPACK_COMPONENT_SERVICE_DESCRIPTION
 "vision service for RoboCup Small Size League fields
-Takes images from the cameras over a field, finds robots and balls, and
-sends where they are by multicast in the league's format.
+Finds robots and balls in the images of the cameras over a field, and sends
+their positions by multicast in the league's format.
 .
 It runs without a desktop, a GPU or a vendor's SDK. A web panel on the
-same computer shows cameras, calibrates them, learns colours and says
+same computer shows cameras, calibrates them, learns colours and reports
 whether a match may begin. Cameras: GigE Vision, USB3 Vision, IEEE 1394 and
-Video4Linux; recordings and a simulator too.")
+Video4Linux; also recordings and a simulator.")
 set(CPACK_DEBIAN_SERVICE_PACKAGE_CONTROL_EXTRA
   "${debian}/postinst;${debian}/prerm;${debian}/postrm;${debian}/conffiles")
 
@@ -46,18 +46,20 @@ set(CPACK_DEBIAN_DEV_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "protobuf-compiler, libprotobuf-dev")
 set(CPACK_COMPONENT_DEV_DESCRIPTION
 "messages of the RoboCup Small Size League's vision, for teams
-The .proto files of what ssl-visiond sends, for CMake's find_package and
-pkg-config, and a sample client that receives and prints it.")
+The .proto files of the messages that ssl-visiond sends, for CMake's
+find_package and pkg-config, and a sample client that receives and prints
+these messages.")
 
 set(CPACK_DEBIAN_STAGES_PACKAGE_NAME ssl-visiond-stages-dev)
 set(CPACK_DEBIAN_STAGES_PACKAGE_SECTION devel)
 set(CPACK_DEBIAN_STAGES_PACKAGE_DEPENDS "libeigen3-dev, nlohmann-json3-dev")
 set(CPACK_DEBIAN_STAGES_PACKAGE_RECOMMENDS "ssl-visiond (= ${PROJECT_VERSION}-1), cmake, g++")
 set(CPACK_COMPONENT_STAGES_DESCRIPTION
-"stages of one's own for ssl-visiond
+"custom stages for ssl-visiond
 Headers, a static library, CMake's find_package and examples for shared
-objects that bring stages into the stacks of ssl-visiond: a detector of one's
-own, a recorder, another marker. They are compiled for this version of it.")
+objects that add stages to the pipeline of ssl-visiond: a detector, a
+recorder, another marker. They run only with the version of ssl-visiond that
+they were compiled for.")
 
 set(CPACK_DEBIAN_GPU_PACKAGE_NAME ssl-visiond-gpu)
 set(CPACK_DEBIAN_GPU_PACKAGE_SECTION misc)
@@ -69,7 +71,6 @@ set(CPACK_COMPONENT_GPU_DESCRIPTION
 "colour thresholding on a GPU for ssl-visiond
 A stage that labels pixels by colour on a GPU, with the same labels as the
 CPU's, for stacks that need a labelled image. It measures both and uses the
-faster one; the CPU takes over in the same image when the GPU is late or
-gone.")
+faster one. If the GPU is late or fails, the CPU labels the same image.")
 
 include(CPack)

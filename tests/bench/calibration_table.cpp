@@ -265,7 +265,7 @@ void no_clicks(int sizes) {
       std::fflush(stdout);
     }
   }
-  // Fields of another than the given size must be rejected.
+  // A field whose size differs from the given one must be rejected.
   Share wrong;
   for (const double scale : {0.9, 0.95, 1.05, 1.1}) {
     const Shot shot = take({0, FloorView::kHalf, 1.5, 0.08, 0}, {});

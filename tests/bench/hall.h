@@ -28,8 +28,8 @@ inline constexpr HallKind kHardHall{"hard", 0.16, 0.1, 0.2, 0.3, 5, {1, 0.75, 1.
 /// The demo's scene in such a hall, with a carpet of (34, 98, 48) and a dark grey floor.
 Recording draw_hall(const HallKind& hall, PixelFormat format, int width, int height, int frames);
 
-/// A table with margins: carpet and floor are clear up to 1.5 times the hall's brightness; brighter carpet
-/// colour is "green"; other labels go by hue.
+/// A table with margins: carpet and floor are clear up to 1.5 times the hall's brightness; brighter carpet is
+/// "green"; all other labels depend on hue only.
 std::shared_ptr<const Lut> lut_with_margins(const HallKind& hall);
 
 /// The table that learn_colors() learns from one of these images; null when it reports a problem.

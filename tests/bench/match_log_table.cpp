@@ -75,7 +75,7 @@ std::vector<LoggedMessage> messages_of(const std::filesystem::path& log) {
   return out;
 }
 
-/// Size in bytes of the same messages as `gzip -6` would compress them.
+/// Size in bytes of the same messages compressed as by `gzip -6`.
 class AllAtOnce {
  public:
   AllAtOnce() { deflateInit2(&zlib_, 6, Z_DEFLATED, 16 + MAX_WBITS, 8, Z_DEFAULT_STRATEGY); }

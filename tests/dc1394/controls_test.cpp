@@ -143,7 +143,7 @@ TEST_F(IidcControls, TriggerHasAllItsParts) {
   EXPECT_EQ(trigger.source, DC1394_TRIGGER_SOURCE_SOFTWARE);
   EXPECT_EQ(trigger.polarity, DC1394_TRIGGER_ACTIVE_HIGH);
   EXPECT_TRUE(trigger.on);
-  EXPECT_FALSE(feature(DC1394_FEATURE_TRIGGER_DELAY).on);  // which has a similar name
+  EXPECT_FALSE(feature(DC1394_FEATURE_TRIGGER_DELAY).on);  // unaffected, despite its similar name
 }
 
 TEST_F(IidcControls, SoftwareTriggerTakesAPicture) {

@@ -283,7 +283,7 @@ TEST_F(IidcCamera, CorruptPicturesAreSkipped) {
   const auto source = open({{"ring_frames", 3}});
   CapturedImage image;
   std::string problem;
-  for (int i = 0; i < 10; ++i) {  // more than the ring: they must be returned to it
+  for (int i = 0; i < 10; ++i) {  // more than the ring has, so buffers must be returned to it
     send(kGuid, {.corrupt = true});
     EXPECT_EQ(next(*source, image, problem), CaptureStatus::kIncomplete);
   }
@@ -556,7 +556,7 @@ TEST_F(IidcCamera, ComesBackWithItsSettingsAfterAnUnplug) {
   };
   see_a_picture(0);
   fake_iidc::unplug(kGuid);
-  fake_iidc::plug_in(fake_iidc::league_camera(kOtherGuid));  // in its place
+  fake_iidc::plug_in(fake_iidc::league_camera(kOtherGuid));  // at its old place on the bus
   fake_iidc::plug_in(fake_iidc::league_camera(kGuid));
   see_a_picture(1);
   EXPECT_EQ(width, 400);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The running service must match docs/openapi.json: it has these routes and its answers match.
+// The running service must match docs/openapi.json: the same routes, and answers as documented.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { readFileSync, writeFileSync } from 'node:fs';
@@ -302,7 +302,7 @@ describe('the interface as docs/openapi.json says', () => {
 
   it('sets what a camera offers', async () => {
     const path = '/api/cameras/{camera}/controls/{control}';
-    // A simulated camera has no controls; a recording has those of a player.
+    // A simulated camera has no controls; a recording has playback controls.
     await ask('get', '/api/cameras/{camera}/controls', { expect: 409 });
     await ask('post', path, { parameters: { control: 'speed' }, body: { value: 2 }, expect: 409 });
     const source = { backend: 'files', path: join(root, 'tests/golden/division_b.jpg'), loop: true, frame_rate_hz: 20 };
@@ -564,7 +564,7 @@ describe('the interface as docs/openapi.json says', () => {
     await ask('post', path, { body: { frames: 1, height_mm: 4000 }, expect: 202 });
     await becomes(path, (value) => value.state === 'done');
     await ask('post', `${path}/reject`);
-    // Does not finish before the next request.
+    // At this rate the calibration does not finish before the next request.
     await service.patch({ op: 'replace', path: '/cameras/0/source/frame_rate_hz', value: 1 });
     await ask('post', path, { body: { frames: 100 }, expect: 202 });
     await ask('post', path, { body: {}, expect: 409 });

@@ -61,7 +61,7 @@ function partsOf(backup) {
   execFileSync('tar', ['-xz', '-C', folder], { input: backup });
   return new Map(execFileSync('tar', ['-tz'], { input: backup, encoding: 'utf8' }).trim().split('\n').map((name) => [name, readFileSync(join(folder, name))]));
 }
-/** With correct checksums unless `sums` is given. */
+/** A backup of these files, with correct checksums unless `sums` is given. */
 function packed(parts, { sums } = {}) {
   const all = new Map(parts);
   all.set('SHA256SUMS', sums ?? [...all].filter(([name]) => name !== 'SHA256SUMS').map(([name, bytes]) => `${sumOf(bytes)}  ${name}\n`).join(''));
@@ -80,7 +80,7 @@ const changedJson = (parts, name, change) => changed(parts, name, (bytes) => {
   return Buffer.from(JSON.stringify(json));
 });
 
-/** Both routes refuse the backup with an error matching `line`, and nothing changes. */
+/** Checks that both routes refuse the backup with an error matching `line`, and that nothing changes. */
 async function refuses(backup, line, status = 422) {
   const was = { files: bytesOf(spare.stateFolder), settings: await settingsText(spare) };
   for (const path of ['api/backup/check', 'api/backup/restore']) {
@@ -157,7 +157,7 @@ describe('a backup', () => {
     const parts = partsOf(backup);
     const sums = parts.get('SHA256SUMS');
     for (const name of parts.keys()) {
-      // In the JSON files, where the result is still JSON.
+      // In JSON files, a byte whose change leaves valid JSON.
       const at = name.endsWith('.json') ? parts.get(name).indexOf('"time"') + 3 : parts.get(name).length >> 1;
       const tampered = changed(parts, name, (bytes) => {
         const copy = Buffer.from(bytes);
@@ -281,7 +281,7 @@ describe('a backup', () => {
     await isTheSame();
     assert.equal((await get(spare, 'api/status')).alerts.filter(({ id }) => /settings/.test(id)).length, 0);
 
-    // Undo: the previous state is in the state folder, and the settings are one step of the history.
+    // Undo: the state folder contains the previous state, and restoring was one step in the settings' history.
     const before = join(spare.stateFolder, 'before_restore.sslvision');
     const earlier = partsOf(readFileSync(before));
     assert.equal(JSON.stringify(JSON.parse(earlier.get('settings.json')).settings), own.settings);
@@ -313,7 +313,7 @@ describe('a backup', () => {
     assert.deepEqual([saved.status, saved.stderr], [0, `written to ${secret}\n`]);
     assert.equal(statSync(secret).mode & 0o777, 0o600);
     const hashes = readFileSync(join(first.stateFolder, 'passwords.json'));
-    // A client without permission to make changes cannot even send a large file.
+    // The service does not even read a large file from a client without permission to make changes.
     await ask(first, 'POST', 'api/backup/check', { body: Buffer.alloc(2 * MIB), expect: 401 });
     await first.stop();
     await spare.start();

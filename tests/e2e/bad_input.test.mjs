@@ -40,7 +40,7 @@ function isOpenInService(port) {
   return readFileSync('/proc/net/tcp', 'latin1').includes(wanted);
 }
 
-/** The service still answers. */
+/** Checks that the service still answers. */
 async function isWell() {
   const answer = await fetch(service.address('api/status'));
   assert.equal(answer.status, 200);
@@ -162,7 +162,7 @@ describe('bad input from the network', () => {
 
   it('does not keep the service from its end', async () => {
     for (let round = 0; round < 5; ++round) {
-      // Some arrive before the shutdown, some during it: none may touch freed objects.
+      // Some requests arrive before the shutdown, some during it: none may access freed objects.
       const underWay = Array.from({ length: 24 }, async (_, i) => {
         const [path, options] = [
           ['api/status', {}], ['api/cameras/0/stream.mjpg', {}], ['api/cameras/0/snapshot.jpg', {}],

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Limits: settings have a maximum size, patches too while they are applied, and memory is released.
+// Limits: settings have a maximum size, as do patches while they are applied, and memory is released afterwards.
 import assert from 'node:assert/strict';
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
@@ -112,7 +112,7 @@ describe('settings', () => {
   it('give the memory of much that was refused back', { skip }, async () => {
     const before_MB = rss_MB();
     const patches = [replace('/site', 'S'.repeat(900_000)), replace('/cameras/0/mask/exclude', [{ points: points(60_000) }]), replace('/cameras/0/mask/exclude', polygons(20_000))];
-    // Much more in total than may stay in memory, even counting only the patches' text.
+    // The patches' text alone is much larger in total than the memory that may stay allocated.
     let sent = 0;
     while (sent < 75e6) {
       const tries = Array.from({ length: 24 }, (_, i) => patches[i % patches.length]);
@@ -137,7 +137,7 @@ describe('a body', () => {
     assert.ok(wanted.includes(answer.status), `${answer.status}: ${(await answer.text()).slice(0, 300)}`);
     return memory_MB('VmHWM') - before_MB;
   }
-  /** One small result in four tries is enough: other work of the service also takes memory for moments. */
+  /** One small result in four tries is enough: other work of the service also allocates memory briefly. */
   async function isSmall(path, body, wanted, what) {
     const all_MB = [];
     while (!all_MB.some((grown_MB) => grown_MB <= MOST_MB)) {
@@ -214,7 +214,7 @@ describe('a patch', () => {
     const { revision } = await settings();
     const heavy = [{ op: 'add', path: '/x', value: Array(120_000).fill(1) }, ...Array.from({ length: 60 }, () => ({ op: 'copy', from: '/x', path: '/y' }))];
     let reads = 0;
-    // How many requests run beside one depends on luck on a busy computer, so repeat until some did.
+    // On a busy computer, chance decides how many requests run at the same time, so repeat until some do.
     await becomes(async () => {
       let heavyDone = 0, meanwhile = 0;
       const all = [CHECK, ['PATCH', 'api/settings']].map(async ([method, path]) => {

@@ -29,15 +29,15 @@ export const saved = (page) => page.waitForSelector(`${byId('save-state')}[data-
 /** Waits until the element's trimmed text matches. */
 export const textBecomes = (page, name, pattern) => page.waitForFunction(
   ([selector, source]) => new RegExp(source, 's').test(document.querySelector(selector)?.textContent.trim() ?? ''), [byId(name), pattern.source]);
-/** Freezes the image; frames that were under way do not arrive later. */
+/** Freezes the image; returns when frames in transit can no longer replace it. */
 export async function freezePicture(page) {
   await page.click(byId('freeze'));
   await page.waitForSelector(`${byId('freeze')}[aria-pressed="true"]`);
 }
 
 /**
- * Checks something that is shown for a few seconds only, even on a busy computer: `act` triggers it and `pattern`
- * matches its text.
+ * Checks an element that is shown for a few seconds only, even on a busy computer: `act` triggers it, and its text must
+ * match `pattern`.
  */
 export async function comesUp(page, selector, pattern, act) {
   await page.evaluate(([where, source]) => {
@@ -110,8 +110,8 @@ export const views = [
 ];
 
 /**
- * A test that takes long for what it adds to the others: only ./run test-long runs it. For example tests of only the
- * accessibility of a page, which panel_walk checks on all pages.
+ * A slow test that adds little to the others: only ./run test-long runs it. Example: tests of only the accessibility of
+ * a page, which panel_walk checks on all pages.
  */
 export const itLong = process.env.SSLV_VIEWS === 'all' ? it : () => {};
 
@@ -125,7 +125,7 @@ export const launch = ({ webgl = false } = {}) => chromium.launch({
 
 /**
  * Runs in the page: removes from the service's status all signs that this computer is too slow. On a busy computer
- * these would make it NO-GO, and the alerts would take space from what is tested.
+ * these would cause NO-GO, and their alerts would displace what is tested.
  */
 function leaveOutThisComputer() {
   const SLOW = ['camera_slow', 'frames_dropped', 'stage_slow'];
@@ -154,11 +154,11 @@ function bePatient(patience_ms) {
   AbortSignal.timeout = (ms) => timeout.call(AbortSignal, Math.max(ms, patience_ms));
 }
 
-/** A browser on the panel of a service, whose cameras get at most this rate. */
+/** A browser for a service's panel; limits the cameras' frame rate to `hz`. */
 export function createBrowser(service, { webgl = false, hz = PICTURES_HZ } = {}) {
   const { address } = service;
   let browser;
-  // The browser needs longer for an image than the service does, and a higher rate would show nothing more.
+  // The browser needs more time per image than the service, and a higher rate would test nothing more.
   for (const { source } of service.settings.cameras) source.frame_rate_hz = Math.min(source.frame_rate_hz, hz);
 
   /**
@@ -166,7 +166,7 @@ export function createBrowser(service, { webgl = false, hz = PICTURES_HZ } = {})
    * its newest images.
    */
   async function openPage(viewport, options = {}) {
-    // No transitions: colours would be checked in the middle of a fade.
+    // Without transitions: otherwise colours might be checked in the middle of a fade.
     const context = await browser.newContext({ viewport, colorScheme: 'dark', reducedMotion: 'reduce', ...options });
     context.setDefaultTimeout(PATIENCE_MS);
     await context.addInitScript(leaveOutThisComputer);

@@ -33,7 +33,7 @@ class Calibration : public DaemonTest {
     wrong["tx"] = wrong["tx"].get<double>() + 80;
     return daemon.set("/cameras/0/calibration", wrong)["settings"]["cameras"][0]["calibration"];
   }
-  /// The state once the calibration is idle or done.
+  /// Waits until the calibration is idle or done; returns its state.
   static Json wait_for_end(const RunningDaemon& daemon) {
     return daemon.wait_for(
         kPath, [](const Json& s) { return s["state"] != "collecting" && s["state"] != "solving"; });
@@ -102,7 +102,7 @@ TEST_F(Calibration, IsFoundAcceptedKeptAndTakenBack) {
     EXPECT_EQ(accepted["history"][0]["who"], "127.0.0.1");
     EXPECT_EQ(accepted["history"][0]["figures"]["rms_px"], done["report"]["rms_px"]);
     EXPECT_EQ(in_settings(daemon), found);
-    // The geometry sent to the teams.
+    // Teams receive the new geometry.
     for (;;) {
       const SSL_WrapperPacket packet = receive(listener_);
       if (!packet.has_geometry()) continue;

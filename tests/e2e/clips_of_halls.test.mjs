@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Clips of images not drawn by the service's own simulator: halls from another renderer, in other pixel formats, and a
-// photo if there is one (in SSLV_TEST_DATA, a folder of real data from other teams). Replays must reproduce the
-// service's packets byte for byte, with colours learnt from the same images, and every vector instruction set of the
-// CPU must give the same results.
+// photo if there is one (in SSLV_TEST_DATA, a folder of real data from other teams). With colours learnt from the same
+// images, replays must reproduce the service's packets byte for byte, with the same results on every vector instruction
+// set of the CPU.
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
 import { existsSync, mkdirSync, readFileSync, symlinkSync, writeFileSync } from 'node:fs';

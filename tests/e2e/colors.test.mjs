@@ -10,7 +10,7 @@ import { createService, PATIENCE_MS, root } from './service.mjs';
 
 const openApi = JSON.parse(readFileSync(join(root, 'docs/openapi.json'), 'utf8'));
 const service = await createService('239.255.77.82');
-// Standing robots: they can be learnt from, and what is learnt can be checked.
+// Standing robots, so that colours can be learnt from them and then checked.
 for (const { source } of service.settings.cameras) source.speed = 0;
 
 async function ask(method, path, body, expected = 200) {
@@ -185,8 +185,8 @@ describe('colour tables', () => {
     const carpet = await tryPick(Math.round(width * 0.4), Math.round(height * 0.5));
     assert.ok(carpet.cells > 0);
     assert.equal(carpet.left_to_carpet, 0, 'who points at the carpet means it');
-    // The still was taken in full light, so its carpet is brighter than the current carpet: some of it within the
-    // range, some beyond.
+    // The still was taken in full light, so its carpet is brighter than the current carpet: partly within the range,
+    // partly beyond it.
     await service.patch({ op: 'replace', path: '/cameras/0/source/light', value: 0.58 });
     await becomes(async () => (await get('colors')).margins?.length, 'the dark carpet is not seen');
     const edge = await becomes(async () => {
@@ -442,7 +442,7 @@ describe('colour tables', () => {
     await post('colors/undo');
     assert.deepEqual(await bytes('colors/table'), accepted);
     await service.patch({ op: 'replace', path: '/cameras/0/follow_light/enabled', value: false }, { op: 'replace', path: '/cameras/0/source/light', value: 1 });
-    // The follower discards what it learnt in this light when it notices that it is off, which takes up to 200 ms.
+    // Once the follower notices that it is off, after up to 200 ms, it discards what it learnt in this light.
     await becomes(async () => (await get('colors')).light.state === 'off', 'the light is still followed');
     await lightIsBack();
   });

@@ -135,7 +135,7 @@ describe('the history of alerts and events', () => {
     const packets = await service.listen();
     await becomes(() => onDisk('ls', service.state), (names) => names.includes('events.json'));
     onDisk('sh', '-c', `dd if=/dev/zero of=${service.state}/filler bs=4k 2>/dev/null || true`);
-    // An event is needed, so that there is something to save.
+    // Makes an event, so that there is something to save.
     assert.equal((await service.set('/site', 'Refused')).status, 507);
     const { save_problem: problem, entries: now } = await becomes(() => events(service), ({ save_problem: one, entries: all }) => one !== '' && of(all, 'settings_not_saved').length === 1);
     assert.match(problem, /events\.json.*No space left on device/);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nothing confirmed as saved is lost, and nothing refused is kept: whatever the disk does, and whenever the service is
+// Confirmed saves are never lost and refused changes never kept, whatever the disk does and whenever the service is
 // killed.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';

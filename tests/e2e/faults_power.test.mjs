@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A match log is being written while the service is killed or the power fails: what was on the disk remains, and the
-// file can always be read. The limit of one second of missing data is only checked by ./run faults, on an otherwise
-// idle machine.
+// The service is killed, or the power fails, while a match log is being written: all data on the disk remains, and the
+// file can always be read. Only ./run faults, on an otherwise idle machine, checks that at most one second is missing.
 import assert from 'node:assert/strict';
 import { execFileSync, spawn } from 'node:child_process';
 import { closeSync, copyFileSync, existsSync, mkdirSync, openSync, readdirSync, readFileSync, writeFileSync, writeSync } from 'node:fs';
@@ -34,7 +33,7 @@ function timesIn(file) {
   return times;
 }
 
-/** Messages that a log must contain at a time (Unix, s) in any case, derived from what the service reports while
+/** Messages that a log must certainly contain at a time (Unix, s), derived from what the service reports while
  * recording. */
 class Written {
   sure = [];
@@ -55,7 +54,7 @@ class Written {
   before = (at_s) => this.sure.findLast((one) => one.at_s <= at_s)?.count ?? 0;
 }
 
-/** Everything written is there; in timed runs at most a second is missing. */
+/** Checks that everything written is there and, in timed runs, that at most a second is missing. */
 function missingOf(times, written, end_s) {
   assert.ok(times.length >= written.before(end_s), `${times.length} messages, but ${written.before(end_s)} were written`);
   const missing_s = end_s - times.at(-1);

@@ -72,8 +72,8 @@ TEST_F(Field, TracksAreWhereTheRobotsAreAlthoughCamerasDiffer) {
   const TrackerWrapperPacket first = receive_tracks();
   EXPECT_EQ(first.source_name(), "field test");
   EXPECT_THAT(first.tracked_frame().capabilities(), ::testing::SizeIs(3));
-  // Once the clocks are aligned, and if a busy computer does not disturb: 300 packets within all limits. No
-  // ghost is allowed at any time.
+  // Once the clocks are aligned and no other load disturbs the test, 300 packets must be within all limits.
+  // No ghost is allowed at any time.
   const auto are_good = [&](TrackScorer& scorer) {
     for (int i = 0; i < 300; ++i) {
       const TrackerWrapperPacket packet = receive_tracks();
@@ -144,7 +144,7 @@ TEST_F(Field, ACameraOfAnotherComputerIsShownAndTrackedOnceItIsNamed) {
   status = daemon.wait_for_status([](const Json& s) { return !has_alert(s, "vision_other"); });
   EXPECT_EQ(status["network"]["other_visions"].at(0).at("is_named"), true);
 
-  // It vanishes: its robots go, and those that this computer sees stay.
+  // The other computer vanishes: its robots disappear, and those that this computer sees remain.
   second.reset();
   daemon.wait_for("/api/field", [](const Json& answer) { return answer.at("other_cameras").empty(); });
   const double vanished_s = unix_now_s();
@@ -174,7 +174,7 @@ TEST_F(Field, AComputerThatBroadcastsIsHeardAsOneThatDoesNot) {
   daemon.wait_for("/api/field", [](const Json& answer) {
     return answer.at("other_cameras").size() == 1 && answer.at("robots").size() == 12;
   });
-  // A packet that arrives both ways counts once.
+  // A packet that arrives by multicast and by broadcast counts once.
   const Json packets = daemon.wait_for("/api/network/packets", [](const Json& answer) {
     return !answer.at("detections").empty() && answer.at("arrivals").size() == 1 &&
            answer["arrivals"][0].at("multicast") == true;
@@ -185,7 +185,7 @@ TEST_F(Field, AComputerThatBroadcastsIsHeardAsOneThatDoesNot) {
   const Json& heard = packets["detections"][0];
   EXPECT_LE(heard.at("packets").get<std::uint64_t>(),
             heard.at("packet").at("detection").at("frame_number").get<std::uint64_t>() + 1);
-  // Teams receive it both ways.
+  // Teams receive it by multicast and by broadcast.
   while (!receive(listener_).has_detection()) {
   }
 }
@@ -223,8 +223,8 @@ TEST_F(Field, ItsStackIsCheckedAndChangedWhileItRuns) {
 }
 
 /// Other computers' cameras send nonsense, always at least a metre from our robots. Our cameras see the whole
-/// field and standing robots, so any motion of a track comes from the foreign data. Only compared while our
-/// cameras deliver images: on a busy computer they stall, and another computer may then be the only source.
+/// field and standing robots, so any motion of a track comes from the foreign data. Tracks are compared only
+/// while our cameras deliver images: if a busy computer stalls them, another computer may be the only source.
 TEST_F(Field, ForeignNonsenseHarmsNoTrack) {
   settings_["field"]["other_computers"] = Json::array({"127.0.0.1"});  // wrongly trusted by an admin
   for (Json& camera : settings_["cameras"]) {

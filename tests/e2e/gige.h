@@ -28,7 +28,7 @@ class Gige : public DaemonTest {
     camera["source"].update(
         Json{{"width", kWidth}, {"height", kHeight}, {"pixel_format", "bayer_rg8"}, {"frame_rate_hz", 10}});
     scene_.emplace(camera);
-    // On a busy computer both are late; the camera must not be lost because of that.
+    // On a busy computer heartbeats and images are late; the camera must not count as lost because of that.
     scene_->served["heartbeat_s"] = kPatience.count();
     camera["source"] = {{"backend", "aravis"}, {"camera", "127.0.0.1"}, {"silence_s", kPatience.count()}};
     settings_["cameras"][1]["source"]["frame_rate_hz"] = 20;

@@ -42,7 +42,7 @@ TEST_F(Gige, APictureWithPacketsMissingIsCountedAndNeverTakenForWhole) {
               status["reconnects"].get<int>());
 }
 
-/// Closing waits for answers of the stopped camera, so the other camera must not depend on it.
+/// Closing a stopped camera waits for its answers, which must not block the other camera.
 TEST_F(Gige, ASilentCameraComesBackWithItsControlsAndTheOtherLosesNoFrame) {
   scene_->served["heartbeat_s"] = 3;
   settings_["cameras"][0]["source"].update(

@@ -203,7 +203,7 @@ TEST_F(Gige, AControlThatTheCameraRefusesAtTheOpeningIsAnAlert) {
   const Json status = daemon.wait_for_status([](const Json& s) { return s["cameras"][0]["robots"] > 0; });
   EXPECT_EQ(title_of_alert(status, "control_refused"),
             "Camera 0 refused a control: Colour: the camera has no such control");
-  // Its answer may take longer than one discovery waits.
+  // The camera may answer later than one discovery waits.
   daemon.wait_for("/api/sources", [](const Json& answer) {
     return std::ranges::any_of(answer["sources"], [](const Json& source) {
       return source["backend"] == "aravis" && source["serial"] == "TEST01";
@@ -222,12 +222,12 @@ TEST_F(Gige, ACameraInUseIsNotOpenedForAnImageByAnyOfItsNames) {
   }
   const Json mine = daemon.get("/api/settings")["settings"]["cameras"][0];
   daemon.patch({{{"op", "remove"}, {"path", "/cameras/0"}}});
-  // The camera is free now; taking an image from it must not change its controls.
+  // The camera is free now; requesting an image from it must not change its controls.
   const Json source{{"backend", "aravis"},
                     {"camera", "127.0.0.1"},
                     {"silence_s", kPatience.count()},
                     {"controls", {{"GainRaw", 7}}}};
-  // On a busy machine no image may come in the time that an admin waits.
+  // On a busy machine the image may arrive later than the request waits.
   EXPECT_TRUE(becomes([&] {
     try {
       daemon.post("/api/sources/image", {{"source", source}});

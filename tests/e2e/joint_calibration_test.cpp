@@ -277,7 +277,7 @@ TEST_F(JointCalibration, OfOtherPicturesIsNeverAccepted) {
 TEST_F(JointCalibration, WhatIsNotGoodEnoughIsTakenByForceOnly) {
   RunningDaemon daemon(settings_file(), state_);
   spoil(daemon);
-  // The robot heights are set too low: the cameras could agree on the robots only if they hung lower.
+  // The robot heights are set too low: the robots' positions would agree only if the cameras were lower.
   daemon.patch(Json::array({{{"op", "replace"}, {"path", "/teams/yellow/robot_height"}, {"value", 110}},
                             {{"op", "replace"}, {"path", "/teams/blue/robot_height"}, {"value", 110}}}));
   daemon.post(kPath, {{"seconds", 6}, {"frames", 3}}, 202);

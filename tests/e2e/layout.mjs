@@ -102,7 +102,7 @@ function look({ isTouch, exceptions, finger, leastImage }) {
   function follow(start, box, isText) {
     let rect = plain(box);
     let seen = plain(box);
-    /** The part that remains visible of a shortened text. */
+    /** The part of a shortened text that remains visible. */
     let kept = plain(box);
     let scroller = null;
     let isFixed = false;
@@ -134,7 +134,7 @@ function look({ isTouch, exceptions, finger, leastImage }) {
           scroller ??= element;
           const scrolled = low === 'left' ? element.scrollLeft : element.scrollTop;
           const before = inside[low] - (rect[low] + scrolled);
-          // Right to left or end-aligned: what lies before the start can never be scrolled to.
+          // Right to left or end-aligned: scrolling cannot reveal content before the start.
           if (before > slack && styleOf(from).position !== 'sticky') fault ??= { element, by: Math.round(before), axis: low === 'left' ? 'x' : 'y' };
           rect = { ...rect, [low]: inside[low], [high]: inside[high] };
         }
@@ -241,7 +241,7 @@ function look({ isTouch, exceptions, finger, leastImage }) {
       // Elements in the same scroller overlap at every scroll position; for others only the visible parts count.
       const isTogether = p.way.scroller === q.way.scroller;
       const both = isTogether ? meet(p.way.kept, q.way.kept) : meet(p.way.seen, q.way.seen);
-      // Letters do not fill the full height of their line.
+      // Text boxes are higher than their letters.
       if (both.x < 3 || both.y < (p.isControl && q.isControl ? 3 : 5)) continue;
       // Clipping by an ancestor is reported above; parts scrolled out of view are invisible.
       if (p.way.fault || q.way.fault || isMenu(p.element) !== isMenu(q.element)) continue;

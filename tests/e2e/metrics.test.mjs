@@ -191,7 +191,7 @@ describe('monitoring', () => {
       let later = await metrics();
       if (change.op === 'remove') {
         assert.equal(value(later, 'sslv_camera_up', 'camera="1"'), undefined);
-        continue; // its counters are kept for when it is added again
+        continue; // its counters are kept: it may be added again
       }
       assertNoneWentBack(earlier, later);
       if (change.value.backend === 'files') continue; // which delivers no frames

@@ -64,7 +64,7 @@ TEST_F(Neighbours, RobotsHaveTheHeightOfTheTeamThatTheGameControllerNames) {
   EXPECT_EQ(status["referee"]["source"], "test");
   EXPECT_THAT(titles(status), IsEmpty());
 
-  // Data that is no referee message has no effect.
+  // Data other than referee messages has no effect.
   send(game_controller_, "garbage");
   send(game_controller_, std::string(65'507, '\xFF'));
   status = daemon.wait_for_status([](const Json& s) { return s["referee"]["packets_refused"] == 2; });
@@ -77,7 +77,7 @@ TEST_F(Neighbours, RobotsHaveTheHeightOfTheTeamThatTheGameControllerNames) {
   EXPECT_THAT(titles(status),
               testing::ElementsAre("Unknown team \"Dire Wolves\": its robots are assumed to be 140 mm high"));
 
-  // Set by hand, even while the game controller says otherwise; other changes keep its values.
+  // A value set by hand overrides the game controller's; other settings keep those of the game controller.
   daemon.set("/teams/blue/robot_height", 147);
   wait_for_heights(143, 147);
   daemon.set("/teams/height_from_referee", false);
@@ -104,7 +104,7 @@ TEST_F(Neighbours, FollowsOneGameControllerAndWarnsOfASecond) {
   send_referee("MRL", "ibis");
   daemon.wait_for_status([](const Json& s) { return s["teams"]["yellow"]["name"] == "MRL"; });
   Json status = daemon.wait_for_status([&](const Json& s) {
-    // In this order: if a busy computer pauses, the first one is followed again.
+    // In this order, so that after a pause on a busy computer the first one is followed again.
     send_referee("MRL", "ibis");
     send_referee("ibis", "MRL", "another");
     return has_alert(s, "two_game_controllers");

@@ -37,13 +37,13 @@ function measure(camera) {
     const [x, y] = [mean(0), mean(1)];
     // No pixels outside the camera's image.
     const inside = x > 4 && y > 4 && x < box.width - 4 && y < box.height - 4;
-    // Includes the neighbouring pixels: in a small JPEG the centre of a dot may be paler than its edge.
+    // Also checks the neighbouring pixels: in a small JPEG the centre of a dot may be paler than its edge.
     const next = [-1, 0, 1].map((pixels) => (pixels * box.width) / width);
     const colours = next.flatMap((down) => next.map((right) => colour(x + right, y + down)));
     return { team: mark.dataset.team, id: Number(mark.dataset.id), camera: Number(mark.dataset.camera), x, y, colours: inside ? colours : null };
   });
 
-  // How much brighter the image is on the drawn lines than beside them.
+  // Difference in brightness between the drawn lines and the image beside them.
   const path = canvas.parentElement.querySelector('[data-testid="overlay-lines"]');
   const bright = { on: 0, beside: 0 };
   if (path) {
@@ -80,8 +80,8 @@ function cameraPixel({ x, y }, { turn, width, height }) {
   return { x: x - 0.5, y: y - 0.5 };
 }
 
-/** Shows full resolution: in a smaller image a dot is one or two pixels, depending on the rate at which images
- * arrive. */
+/** Requests full resolution: in a smaller image, whose size depends on the rate at which images arrive, a dot may be
+ * only one or two pixels. */
 async function showFull(page, camera) {
   await page.getByLabel('Size').selectOption({ label: 'Full' });
   await page.waitForFunction((selector) => document.querySelector(selector)?.width === 780, byId(`camera-picture-${camera}`));

@@ -67,7 +67,7 @@ async function drag(page, from, to, finger) {
   await send('touchStart', [from]);
   for (let i = 1; i <= steps; i++) await send('touchMove', [at(i)]);
   return async () => {
-    await page.waitForTimeout(300); // hold still: after a fling the browser takes the next tap as its end
+    await page.waitForTimeout(300); // holds still: after a fling, the browser uses the next tap to stop it
     await send('touchEnd', []);
   };
 }
@@ -161,7 +161,7 @@ describe('calibration page', () => {
       const rms = await numberBecomes(page, 'figure-rms', (mm) => mm > 0);
       assert.ok(await page.locator(byId('problem')).count() > 0);
 
-      // Points keep their order, whatever they turned out to be.
+      // Points keep their order, whatever they were identified as.
       const index = 1;
       const target = byId('point');
       const place = project(truth, ...right['corner left bottom']);
@@ -262,7 +262,7 @@ describe('calibration page', () => {
       // Hidden parts are dark in the label image.
       await click(byId('mask-labels'));
       await page.waitForSelector(`${byId('camera-picture-0')}[data-picture="labels"]`);
-      // Corners within 4 px of the image's corners leave a strip of it.
+      // The corners are up to 4 px from those of the image, so a strip of it remains visible.
       const left = await page.evaluate(colourful, 0);
       assert.ok(left < 0.001, `${left} of the labelled picture have a colour`);
       await click(byId('mask-labels'));
@@ -285,7 +285,7 @@ describe('calibration page', () => {
       await click(byId('delete-polygon'));
       await untilSaved(async () => (await mask()).exclude.length === 0);
       await statusBecomes(({ cameras }) => cameras[0].robots > 0);
-      // Undo reverts the changes made here and keeps those of others.
+      // Undo reverts only the changes made on this page.
       const beyond = async (value) => {
         await service.patch({ op: 'replace', path: '/cameras/0/mask/beyond_boundary', value });
         await page.waitForFunction((text) => document.querySelector('[data-testid="setting-/cameras/0/mask/beyond_boundary"] input[inputmode]').value === text, String(value));
@@ -444,8 +444,8 @@ async function playGame(group, port) {
 }
 
 /**
- * How much brighter a camera's image is on the lines drawn over it than beside them; runs in the browser. Uses the full
- * resolution: the displayed image is smaller if images arrive late.
+ * Difference in brightness between a camera's image under the lines drawn over it and beside them; runs in the browser.
+ * Uses the full resolution: the displayed image is smaller if images arrive late.
  */
 async function brighterOnLines(camera) {
   const bitmap = await createImageBitmap(await (await fetch(`api/cameras/${camera}/snapshot.jpg`)).blob());

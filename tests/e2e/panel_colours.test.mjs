@@ -224,8 +224,8 @@ describe('colours page', () => {
       await becomes((now) => cellsOf(now, 'cyan') < cellsOf(added, 'cyan'));
       await pixelBecomes(page, 'still-labels', CARPET.x, CARPET.y, colorOf(before, 'clear'));
 
-      // A box takes the carpet's colours in its area. (A click estimates their spread from nine pixels, which is
-      // sometimes wider than in a box.)
+      // A box uses all of the carpet's colours in its area. (A click estimates their spread from nine pixels, and
+      // sometimes overestimates it.)
       await click(page, 'tool-box');
       const [from, to] = [await onScreen(page, CARPET), await onScreen(page, { x: CARPET.x + 40, y: CARPET.y + 30 })];
       if (view === 'desktop') {
@@ -315,7 +315,7 @@ describe('colours page', () => {
       for (const { label, surface } of before.margins) if (surface === 'carpet') await page.waitForSelector(`${byId(`margin-${label}`)}[data-kind="ok"]`);
       assert.equal(await page.locator(byId('margin-trial')).count(), 0, 'there is nothing to promise');
 
-      // Green as the carpet looks in 1.5 times the light.
+      // The carpet's colour in 1.5 times the light becomes green.
       const { mean } = await get(`api/cameras/0/pixels?x=${CARPET.x}&y=${CARPET.y}&width=9&height=9`);
       const at = mean.map((value, i) => Math.round(i === 0 ? 1.5 * value : 128 + 1.5 * (value - 128)));
       const painted = await post('api/cameras/0/colors/edits', { commands: [{ op: 'paint', label: 'green', shape: 'box', at, radius: [6, 10, 10], over: 'clear' }] });
@@ -327,7 +327,7 @@ describe('colours page', () => {
       await accessible(page, `Colours with a thin margin, ${view}`);
       await fits(page);
 
-      // The service measures the carpet from time to time; retry if that happened between the preview and the click.
+      // The service repeatedly measures the carpet; retry if it did so between the preview and the click.
       let widened = null;
       await eventually(async () => {
         if (widened) {
@@ -546,7 +546,7 @@ describe('colours page', () => {
     await saved(page);
     await page.waitForSelector(`${card}[data-state="following"]`);
     assert.equal((await get('api/settings')).settings.cameras[0].follow_light.enabled, true);
-    // Once it measures a gain, it knows the colours in this light.
+    // Once the follower measures a gain, it knows the colours in this light.
     await becomes(({ light }) => light.gain.some((value) => value !== 1));
     await patch({ op: 'add', path: '/cameras/0/source/light', value: 0.75 });
     await page.waitForSelector(`${byId('light-revert')}:not([disabled])`);

@@ -23,7 +23,7 @@ const camera = (timeline, id) => timeline.cameras.find((one) => one.id === id);
 
 /** Index of the sample at that time; -1 if there is none. */
 const sampleAt = ({ time_s }, time) => time_s.findIndex((one) => Math.abs(one - time) < 0.002);
-/** If the service missed a second, as on a busy machine, the page shows that second without values. */
+/** Whether the service missed that second, as on a busy machine: the page then shows no values for it. */
 const isHole = ({ time_s, interval_s }, time) =>
   time_s.some((one, i) => Math.abs(one + interval_s - time) < 0.002 && time_s[i + 1] - one > 1.9 * interval_s);
 
@@ -115,7 +115,7 @@ function measureGraph([name, curves]) {
 /** Near a step the width of the lines interferes: on a phone a second is ten pixels wide. */
 const MARGIN_S = 0.38;
 
-/** The counts of robots and balls in some seconds are drawn to scale. */
+/** Checks that the counts of robots and balls in some seconds are drawn to scale. */
 async function assertSeenDrawnToScale(page) {
   await page.click('button:has-text("1 min")');
   // Uses only seconds of normal length: shorter ones leave nothing between their steps, longer ones contain a hole.
@@ -283,7 +283,7 @@ describe('panel: Diagnostics', () => {
         return text(page, 'tip');
       }, (tip) => tip.includes('Camera 1 was not running') && !tip.includes('Camera 0 was'));
       await compareAtCursor(page);
-      // Besides the other camera's curves there is only the shade in camera 1's colour.
+      // Apart from the other camera's curves, the only colour is camera 1's shade.
       const { shade } = await page.evaluate(measureGraph, ['latency', CURVES]);
       assert.ok(shade > 0.6, `${shade} of a second is shaded`);
 

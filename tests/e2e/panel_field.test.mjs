@@ -242,7 +242,7 @@ describe('panel: field and network', () => {
       await page.click(byId('live-layer-agreement'));
       await page.waitForSelector(`${byId('live-agreement')} table`);
 
-      // Without a stack there is nothing to show, and the page says so.
+      // Without a stack there are no tracks, and the page says so.
       await page.click(byId('live-layer-tracked'));
       await patch({ op: 'replace', path: '/field/stack', value: [] });
       await page.waitForSelector(byId('live-missing'));

@@ -23,7 +23,7 @@ const photo = join(golden, 'division_b.jpg');
 const cameras = async () => (await (await fetch(address('api/settings'))).json()).settings.cameras;
 const stepBecomes = (page, id, state) => page.waitForSelector(`${byId(`step-${id}`)}[data-state="${state}"]`, { state: 'attached' });
 
-/** No content is wider than the window. */
+/** Checks that no content is wider than the window. */
 const fits = async (page) => {
   const [wide, window] = await page.evaluate(() => [document.documentElement.scrollWidth, document.documentElement.clientWidth]);
   assert.ok(wide <= window, `${wide} px wide in ${window}`);
@@ -151,7 +151,7 @@ describe('the first set-up', () => {
     await page.click(`${byId('file-entry')} button:text-is("trap")`);
     await textBecomes(page, 'folder', /trap$/);
     assert.deepEqual(await page.$$eval(byId('file-entry'), (all) => all.map((one) => one.textContent.trim())), ['inside']);
-    // Going up from the top level leads back to the list of folders.
+    // From a top-level folder, "up" leads back to the list of folders.
     while (await page.isVisible(byId('folder-up'))) {
       const before = await page.textContent(byId('folder'));
       await page.click(byId('folder-up'));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The panel over slow or broken links, and its alerts when nobody looks at it. A proxy connects the real service and
-// the browser.
+// The panel over slow or broken links, and its alerts when nobody watches it. A proxy connects the real service and the
+// browser.
 import assert from 'node:assert/strict';
 import { copyFileSync, rmSync } from 'node:fs';
 import { join } from 'node:path';
@@ -15,10 +15,10 @@ const link = await createLink(() => service.settings.panel.port);
 const browser = createBrowser({ ...service, address: link.address });
 
 const linkIs = (page, state) => page.waitForSelector(`${byId('connection')}[data-link="${state}"]`);
-/** All currently shown on the page. */
+/** All image problems shown on the page. */
 const troubles = (page) => page.locator(byId('picture-trouble')).allTextContents();
 
-/** A camera with a file that does not exist (yet). */
+/** A camera's image file, which does not exist at first. */
 const picture = join(service.folder, 'camera.jpg');
 const noFiles = (camera = 1, path = picture) => service.patch({ op: 'replace', path: `/cameras/${camera}/source`, value: { backend: 'files', path, loop: true, frame_rate_hz: 20 } });
 /** The event history, which is updated once a second. */
@@ -57,7 +57,7 @@ describe('panel over a bad link', () => {
     it(`says "Slow link" at ${kbps} kbit/s and calls no camera lost, but one that is`, () => onPage('', async (page) => {
       await linkIs(page, 'slow');
       await textBecomes(page, 'connection', /^Slow link$/);
-      // During the time in which two seconds' worth of data is transferred.
+      // Checks repeatedly until two seconds' worth of data has been transferred.
       const before = link.bytes();
       await becomes(async () => {
         const said = await troubles(page);
@@ -282,7 +282,7 @@ describe('panel that nobody looks at', () => {
     await noFiles();
     await isLost();
     await page.waitForFunction(() => window.heard.notes.length === 1);
-    await page.clock.fastForward(1000); // it has stopped waiting for permission to play
+    await page.clock.fastForward(1000); // the page no longer waits for permission to play
     await page.mouse.click(2, 2);
     // The next alert plays its two tones; none of the first alert are played.
     await noFiles(0);

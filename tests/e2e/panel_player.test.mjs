@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The image ring, clips and the player with the real service: kept by a button, played, stepped through, compared.
+// The image ring, clips and the player with the real service: a clip is kept by a button, played, stepped through and
+// compared.
 // Environment: see service.mjs and browser.mjs.
 import assert from 'node:assert/strict';
 import { beforeEach, describe, it } from 'node:test';
@@ -64,7 +65,7 @@ describe('the player', () => {
       await inMemory(3);
       await page.waitForSelector(byId('no-clips'));
       await textBecomes(page, 'last-seconds-now', /^The last ([2-9]|\d{2,})(\.\d+)? (to [\d.]+ )?s of 2 cameras are in memory$/);
-      // As much as is in memory, but not more than the settings allow; both texts are read at the same moment.
+      // The page offers all seconds in memory, up to the setting's limit; both texts are read at the same moment.
       const [now, keep] = await page.evaluate((names) => names.map((name) => document.querySelector(name).textContent), [byId('last-seconds-now'), byId('keep')]);
       const most = Number(/([\d.]+) s of/.exec(now)[1]), said = Number(/Keep the last (\d+) s/.exec(keep)[1]);
       assert.ok(said >= 2 && said <= Math.min(10, most + 0.5), `${said} of ${most} s`);
@@ -196,7 +197,7 @@ describe('the player', () => {
     await page.focus(byId('timeline'));
     await page.keyboard.press('End');
     await placeBecomes(page, places.at(-1));
-    // The page determines itself which robots this camera lost, and can jump there.
+    // The page itself determines where this camera lost robots, and can jump to these frames.
     const all = await Promise.all(places.map((place) => ask(`${clipPath(name)}/frames/${place}`)));
     const keys = ({ robots }) => robots.map((robot) => `${robot.team} ${robot.id}`);
     const lost = all.flatMap((frame, i) => (i > 0 && keys(all[i - 1]).some((key) => !keys(frame).includes(key)) ? [i] : []));

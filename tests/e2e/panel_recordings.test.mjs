@@ -24,7 +24,7 @@ const port = await freeUdpPort();
 service.settings.network.referee = { enabled: true, group: GROUP, port, interface: 'lo' };
 service.settings.recording.match_logs = 'by_hand';
 let referee, timer;
-/** Repeats a referee message until the next call. Without a command the game controller is silent. */
+/** Repeats a referee message until the next call. Without a command, sends nothing. */
 function refereeSays(command, yellowGoals = 0, yellow = 'RoboTeam Twente') {
   clearInterval(timer);
   if (command === undefined) return;
@@ -157,7 +157,7 @@ describe('recordings', () => {
       await textBecomes(page, 'match-log-now', /^This match is not recorded: 127\.0\.0\.1 stopped its log$/);
       assert.deepEqual(await layoutFaults(page, { isTouch: options.isMobile ?? false }), []);
       await becomes(recordings, ({ logs }) => logs.find((one) => one.name === name)?.goals === 1);
-      // A new match: that of the next view is recorded again, and the settings are not locked.
+      // Begins a new match, so that the next view's match is recorded, with unlocked settings.
       refereeSays(HALT, 0, 'RoboIME');
       await service.statusBecomes(({ referee: heard }) => !heard.game_is_running);
       await stateBecomes(page, 'waiting');
@@ -210,7 +210,7 @@ describe('recordings', () => {
     assert.ok(await page.isDisabled(byId('record')));
     await page.unroute('**/api/recordings');
     await page.waitForSelector(byId('recordings-trouble'), { state: 'detached' });
-    // Another admin was faster, and this page does not know it yet.
+    // Another admin has already started recording, and this page does not know that yet.
     const stale = await recordings();
     await page.route('**/api/recordings', (route) => route.fulfill({ json: stale }));
     await record({ record: true });

@@ -178,7 +178,7 @@ describe('settings page', () => {
     await page.waitForSelector(row('/cameras/1/stages/detect_balls/max_balls'));
     assert.deepEqual((await tree()).cameras.map(({ stages }) => stages.detect_balls.max_balls), first.cameras.map(({ stages }) => stages.detect_balls.max_balls));
 
-    // A change to one camera must not be undone on another.
+    // Undo must not revert a change to one camera on another camera.
     await patch({ op: 'replace', path: '/cameras/1/stages/detect_balls/max_balls', value: 21 });
     const [{ revision }] = await ask('settings/history');
     await patch({ op: 'replace', path: '/cameras/0/stages/detect_balls/max_balls', value: 21 });
@@ -329,7 +329,7 @@ describe('settings page', () => {
     await page.waitForSelector(`${byId('camera-entry')}:has-text("Camera 2")`);
 
     await page.goto(address('#/settings/cameras/0/colors/classes'));
-    // Each click waits for the list that results from the previous one.
+    // Waits after each click until the list shows its result.
     const listIs = async (labels) => {
       await treeBecomes(({ cameras }) => cameras[0].colors.classes.map(({ label }) => label).join() === labels);
       await page.waitForFunction(([selector, wanted]) => [...document.querySelectorAll(selector)].map((title) => title.textContent).join() === wanted, [`${byId('entry')} .title b`, labels]);

@@ -386,7 +386,7 @@ describe('tools', () => {
       const axis = line?.ownerSVGElement?.querySelector('path')?.getAttribute('d') ?? '';
       const width = Number(/H([\d.]+)/.exec(axis)?.[1]);
       const age_s = 60 * (1 - x / width);
-      // Older than the page itself, so it cannot come from the live connection.
+      // This point is older than the page itself, so it cannot be from the live connection.
       return age_s > performance.now() / 1000 + 2 ? age_s : null;
     }, selector);
 

@@ -58,10 +58,10 @@ for (const [n, { count, isMatch, isWhole: isWholeState }] of states.entries()) {
     const { aroundTests, openPage } = createBrowser(service, { webgl: true });
     aroundTests(() => statusBecomes(({ cameras, referee }) => cameras.length === count && cameras.every(({ state }) => state === 'running') && (!isMatch || referee.game_is_running)));
     after(endMatch);
-    /** Found once: they are the same at all sizes. */
+    /** Determined once, because they are the same at all sizes. */
     let paths;
 
-    // On a busy computer images are late; here they are no longer decoded once the page has one of each camera.
+    // Simulates the late images of a busy computer: decoding stops once the page has one image of each camera.
     const smallest = wanted.at(-1);
     if (isWholeState && n === counts.length - 1) {
       it(`on ${nameOfSize(smallest)}, with marks on late images`, async () => {

@@ -29,7 +29,7 @@ export function textOfPdf(bytes) {
   const objects = new Map();
   for (const { index, 0: begin, 1: number } of raw.matchAll(/(?:^|\n)(\d+) 0 obj\s/g)) {
     const head = raw.slice(index + begin.length, raw.indexOf('endobj', index)).split(/stream\r?\n/, 1)[0];
-    // The end comes from the stated length, as compressed bytes may contain anything.
+    // The stated length gives the end, because compressed bytes may contain any keyword.
     const length = /\/Length (\d+)/.exec(head)?.[1], at = /stream\r?\n/g;
     at.lastIndex = index + begin.length + head.length;
     let content = '';

@@ -213,7 +213,7 @@ describe('match logs', () => {
     await ask('POST', '/match-log', { record: true, name: 'killed' });
     const { name } = await state();
     await becomes(state, ({ messages, bytes }) => messages.vision > 40 && bytes > 1000);
-    // Two writes after this count of messages: the first one may have begun before they came.
+    // Waits for two writes after this count: the first one may have begun before these messages arrived.
     const { messages: { vision: sure }, bytes } = await state();
     const { bytes: first } = await becomes(state, (now) => now.bytes > bytes);
     await becomes(state, (now) => now.bytes > first);
@@ -265,7 +265,7 @@ describe('match logs', () => {
     assert.deepEqual(gunzipSync(readFileSync(packed)), gunzipSync(readFileSync(file)));
     assert.throws(() => ctl('match-log', 'convert', plain, packed), /File exists/);
 
-    // Play to programs that listen to a group other than the teams'.
+    // Plays to a group other than the teams'.
     const group = '239.255.77.98', port = await freeUdpPort();
     assert.throws(() => ctl('match-log', 'play', file, '--group', '224.5.23.2'), /teams listen to 224\.5\.23\.2/);
     const heard = [];
@@ -291,7 +291,7 @@ describe('match logs', () => {
     const { name } = (await isNow('recording')).match_log;
     const tracked = (await state()).messages.tracked;
     const noise = Buffer.from(Array.from({ length: 1400 }, (_, i) => ((i * 197 + 31) % 251) | 1));
-    // Until 14 MB have arrived, more than the quota: the kernel drops what exceeds the reading rate.
+    // Sends until 14 MB have arrived, more than the quota: the kernel drops packets if the service reads too slowly.
     for (let number = 0; (await state()).refused < 10_000;) {
       for (let i = 0; i < 100; i++, number++) {
         noise.writeUInt32LE(Math.imul(number, 2654435761) >>> 0, (number * 13) % 1390);

@@ -19,7 +19,7 @@
 namespace sslv::test {
 namespace {
 
-/// On a busy computer a camera sometimes answers too late or is lost for a moment: retry then.
+/// Whether to retry: on a busy computer a camera sometimes answers too late or is briefly lost.
 bool is_only_late(const httplib::Response& answer, int expected) {
   const auto says = [&](const char* text) { return answer.body.find(text) != std::string::npos; };
   return says("the camera has not answered") || (answer.status != expected && says("is not open"));
@@ -91,8 +91,8 @@ RunningDaemon::~RunningDaemon() {
 Json RunningDaemon::get(const std::string& path, int expected) const {
   Json answer = checked([&] { return client(address()).Get(path); }, "GET " + path, expected);
   // Ignores alerts that depend on the machine: dropped or late images, and a network card that these tests do
-  // not send on. Robots lost with their camera are tested in verdict.test.mjs. Different kinds of cameras run
-  // side by side here to test all of them.
+  // not send on. verdict.test.mjs tests robots that are lost with their camera. Warnings about simulated or
+  // unlike cameras are expected, because these tests combine all kinds.
   if (path == "/api/status") {
     static const std::set<std::string> kElsewhere{
         "ball_lost",         "camera_not_real",    "camera_off_time", "camera_slow", "frames_dropped",

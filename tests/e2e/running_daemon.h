@@ -18,7 +18,7 @@
 
 namespace sslv::test {
 
-/// config/demo.json, with the panel on any free port and packets to a multicast group of this test's own.
+/// config/demo.json, with the panel on any free port and packets to this test's own multicast group.
 Json demo_settings(int multicast_port);
 
 /// Quarters the image size and sets this frame rate, so that a busy computer keeps up.
@@ -66,7 +66,7 @@ Json RunningDaemon::wait_for(const std::string& path, Good good) const {
     const Json answer = get(path);
     if (good(answer)) return answer;
     if (std::chrono::steady_clock::now() > deadline) give_up(answer);
-    // Leaves the processors to the programs that are waited for.
+    // Leaves the processors to the programs under test.
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
 }
@@ -83,8 +83,8 @@ class DaemonTest : public ::testing::Test {
 };
 
 bool has_alert(const Json& status, const std::string& id);
-/// The first alert of a kind, and its title; they throw std::runtime_error with the other alerts if there is
-/// none.
+/// The first alert of a kind, and its title; without one, both functions throw std::runtime_error with the
+/// other alerts.
 const Json& alert_of(const Json& status, const std::string& id);
 std::string title_of_alert(const Json& status, const std::string& id);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who gets access, with what permissions, and what must not leak: docs/security.md, threat by threat, against the real
-// service, also from an address other than its loopback.
+// Access, permissions and secrets: each threat of docs/security.md, against the real service, also from an address
+// other than its loopback.
 //   SSLV_CTL  ssl-visionctl; default: the release build's
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
@@ -323,7 +323,7 @@ describe('a service with passwords', () => {
   });
 
   it('keeps a share of the tries for its own computer and for admins while others guess', { skip: noOutside }, async () => {
-    await service.stop(); // restores the attempts used by other tests
+    await service.stop(); // restores the sign-in attempts that other tests have used
     await service.start();
     const viewer = await ask('PUT', 'api/passwords/viewer', { body: { password: VIEWER, admin_password: ADMIN }, cookie: await signIn(ADMIN) });
     assert.equal(viewer.status, 200, viewer.text);

@@ -136,7 +136,7 @@ export async function createService(group) {
   const stateFolder = join(folder, 'state');
   const settings = JSON.parse(readFileSync(join(root, 'config/demo.json'), 'utf8'));
   Object.assign(settings.network.vision, { group, interface: 'lo', port: await freeUdpPort() });
-  // A higher rate would show nothing more, and would take processors from other tests.
+  // A higher rate would test nothing more and would slow down other tests.
   for (const { source } of settings.cameras) source.frame_rate_hz = 10;
   settings.network.referee = { enabled: false };
   settings.panel = { port: 0 };

@@ -87,7 +87,7 @@ TEST_F(Notifies, IsAliveWhileAReloadWaitsForAStage) {
   EXPECT_EQ(daemon.wait_for_exit(), 0);
 }
 
-/// A camera whose driver stops answering: a film read from a pipe that is no longer written to.
+/// A camera whose driver stops answering: a video read from a pipe that gets no more data.
 class StuckFilm {
  public:
   explicit StuckFilm(const std::string& path) {
@@ -96,7 +96,7 @@ class StuckFilm {
     picture_ = {std::istreambuf_iterator<char>(in), {}};
     pipe_ = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);  // does not wait for a reader
     writer_ = std::jthread([this](const std::stop_token& stop) {
-      // Enough to detect the film's format and to deliver some frames, then nothing.
+      // Writes enough to detect the video's format and to deliver some frames, then nothing.
       for (int i = 0; i < kPictures; ++i) {
         for (std::size_t sent = 0; sent < picture_.size() && !stop.stop_requested();) {
           pollfd ready{pipe_, POLLOUT, 0};
@@ -137,7 +137,7 @@ TEST_F(Notifies, ACameraThreadThatHangsStopsTheFeedingAndARestartMendsIt) {
     manager_.wait_for("WATCHDOG=1");
     while (!stuck.is_written()) manager_.wait_for("");
     EXPECT_THAT(manager_.wait_for("STATUS=camera 1 has hung for "), HasSubstr(" s"));
-    // The watchdog is no longer fed although everything else continues: the case for WatchdogSec.
+    // Watchdog messages stop although everything else continues: the case for WatchdogSec.
     for (int statuses = 0; statuses < 3;) {
       const std::string message = manager_.wait_for("");
       EXPECT_THAT(message, ::testing::Not(StartsWith("WATCHDOG")));
@@ -240,7 +240,7 @@ class Crashes : public Notifies {
     daemon.process().wait_for_exit();
     manager_.hear_the_rest();
   }
-  /// The crash clips, once what a crash left behind has been processed.
+  /// The crash clips, once the service has processed the rings of a crashed process.
   static Json crash_clips(const RunningDaemon& daemon) {
     const auto all = daemon.wait_for("/api/recordings/clips", [](const Json& answer) {
       return answer["clip"]["state"] != "writing" &&

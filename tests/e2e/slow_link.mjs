@@ -6,8 +6,8 @@ import { connect, createServer } from 'node:net';
 
 /**
  * A proxy in front of `port()` of this computer. `kbps`: total rate of all connections towards the browser, in kbit/s;
- * Infinity: no limit. `slice_ms`: interval of forwarding. `burst_ms`: unused capacity of this duration may be used at
- * once, as this process does not always run in time.
+ * Infinity: no limit. `slice_ms`: interval of forwarding. `burst_ms`: unused capacity of up to this duration can be
+ * used later, because this process does not always run in time.
  */
 export async function createLink(port, { slice_ms = 20, burst_ms = 200 } = {}) {
   let kbps = Infinity;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SIGTERM stops the service cleanly whatever it is doing, without finishing that first.
 //   SSLV_STOP_TRIES  how often it is stopped during each activity; default: 1
-//   SSLV_STOP_TABLE  a file to which a row of a table in Markdown is appended for each: how long stopping took
+//   SSLV_STOP_TABLE  a file to which a Markdown table row is appended for each activity: how long stopping took
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { once } from 'node:events';
@@ -31,7 +31,7 @@ const ask = async (method, path, body) => {
 /** Ignores failures of a request that may be pending when the service stops. */
 const leaveOpen = (promise) => promise.catch(() => {});
 const cameraRuns = () => service.statusBecomes(({ cameras }) => cameras.every(({ state, fps }) => state === 'running' && fps > 0));
-/** Starts an activity until it is caught in progress, as it may finish too soon. */
+/** Starts an activity repeatedly until it is observed in progress, as it may finish too soon. */
 async function isCaught(begin, look, wanted, isOver) {
   for (;;) {
     await begin();
@@ -66,7 +66,7 @@ const silentSource = (id) => {
   if (!existsSync(pipe)) execFileSync('mkfifo', [pipe]);
   return { backend: 'files', path: pipe };
 };
-/** Waits until someone opens such a source; the reader then waits until the returned function closes it. */
+/** Waits until the service opens this pipe; reading then blocks until the returned function closes it. */
 const isWaitedFor = async ({ path }) => {
   let end = null;
   await becomes(() => {
@@ -109,7 +109,7 @@ function largeImage() {
   return Buffer.concat([Buffer.from('\x89PNG\r\n\x1a\n', 'latin1'), chunk('IHDR', size), chunk('IDAT', deflateSync(Buffer.alloc((3 * width + 1) * height, 7), { level: 1 })), chunk('IEND', Buffer.alloc(0))]);
 }
 
-/** A clip that takes long to compare: its frames repeated, without an end. */
+/** Writes a clip that takes long to compare: its frames repeated, without an end block. */
 function writeLongClip(from, to) {
   const file = readFileSync(from);
   const frames = [];
@@ -126,7 +126,7 @@ function writeLongClip(from, to) {
 const clips = () => ask('GET', 'recordings/clips');
 const newestClip = async () => (await becomes(clips, ({ clip, clips: all }) => clip.state === 'idle' && all.some(({ begin_s: s }) => s !== null))).clips[0];
 
-/** Each brings the service into the middle of an activity; the returned function is called after it has stopped. */
+/** Each gets the service into the middle of an activity; the returned function is called after it has stopped. */
 const activities = {
   'nothing special': async () => { await cameraRuns(); },
   'the calibration of a camera, collecting': async () => {

@@ -391,7 +391,7 @@ TEST(Completion, OffersTheCommandsAndOptionsOfAPlace) {
   EXPECT_EQ(completed({"annotate", "--pa"}), "--pages\n");
   EXPECT_EQ(completed({"score", "--min"}), "--min-robot-share --min-ball-share\n");
   EXPECT_EQ(completed({"--da"}), "--daemon\n");
-  EXPECT_EQ(completed({"--daemon", "status", "wat"}), "watch\n");  // an option's value is no command
+  EXPECT_EQ(completed({"--daemon", "status", "wat"}), "watch\n");  // an option's value is not a command
   EXPECT_EQ(completed({"snapshot", "--output", "sta"}), "\n");     // a file: left to the shell
 }
 

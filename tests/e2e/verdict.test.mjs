@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Does GO mean that the field can play? Faults of many kinds are injected into the real service, which must name each
-// within seconds, link to a page that fixes it, and return to GO when it is gone.
+// Does GO mean that the field can play? Many kinds of faults are injected into the real service, which must report each
+// fault within seconds, link to a page that fixes it, and return to GO when it is gone.
 //   SSLV_VERDICT_TABLE  a file: tests every fault at each strength and appends a row of Markdown for each
 import assert from 'node:assert/strict';
 import { createSocket } from 'node:dgram';
@@ -56,7 +56,7 @@ const detecting = (...cameras) => toVision(...cameras.map(detectionOf));
 
 // Each fault: the check that must report it, alert ids of which one must name it, and the changes that cause it, at
 // three strengths from weak to strong. `fails`: the strength from which the field cannot play; 3: it only warns.
-// `sent`: packets sent meanwhile, for each strength. `always`: tested in every run, at its last strength.
+// `sent`: packets to send during the fault, for each strength. `always`: tested in every run, at its last strength.
 const one = [[0], [1], [0, 1]];
 const faults = [
   { name: 'a camera in the dark', always: true, check: 'robots', alerts: ['robots_lost'], fails: 0, strengths: [0.12, 0.08, 0.05].map((light) => [source(0, 'light', light)]) },

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Visits the whole panel: every page of webui/src/router.ts, every address that they link to, and in each everything
-// shown by its switches, tabs, steps and menus. New pages are found automatically.
+// Visits the whole panel: every page of webui/src/router.ts, every address that these link to, and everything that
+// their switches, tabs, steps and menus show. New pages are found automatically.
 import { createSocket } from 'node:dgram';
 import { once } from 'node:events';
 import { readFileSync } from 'node:fs';
@@ -112,7 +112,7 @@ async function linksOf(page) {
 function pressNext([selector, seen]) {
   const isShown = (element) => element.checkVisibility({ opacityProperty: true, visibilityProperty: true });
   const all = [...document.querySelectorAll(selector)].filter(isShown);
-  // The last first: it may be part of what earlier ones show.
+  // Starts with the last switch, because an earlier switch may have revealed it.
   for (const element of all.reverse()) {
     const group = element.closest('[role="group"][aria-label], section[aria-label], [aria-labelledby], nav[aria-label]');
     const around = group?.getAttribute('aria-label') ?? document.getElementById(group?.getAttribute('aria-labelledby') ?? '')?.textContent ?? '';

@@ -116,7 +116,7 @@ def in_format(frame, pixel_format):
     return out
 
 
-# ---- drawing: the camera model once more, written from its description
+# ---- drawing, with a second implementation of the camera model, written from its description
 
 
 class Camera:
@@ -165,7 +165,7 @@ def draw(frame, camera, place, height, angle, reach, paint):
     right, bottom = np.minimum(at + px + 1, [frame.shape[1], frame.shape[0]])
     if left >= right or top >= bottom:
         return
-    fine = 4  # looks this often along each side of a pixel
+    fine = 4  # samples along each side of a pixel
     x, y = np.meshgrid(
         left + (np.arange((right - left) * fine) + 0.5) / fine - 0.5,
         top + (np.arange((bottom - top) * fine) + 0.5) / fine - 0.5,
@@ -368,7 +368,7 @@ SCATTERED = {
     "noise_sigma": 3,
     "ball_gloss": 1,
 }
-DOUBTFUL = {"detect_balls": {"min_confidence": 0.02}}  # for those who judge themselves
+DOUBTFUL = {"detect_balls": {"min_confidence": 0.02}}  # for stages that judge candidates themselves
 
 
 def draw_orange_things(frames, truth, camera, chance):
@@ -427,7 +427,7 @@ def record_patches():
         f"median difference {np.median(differences):.1f} grey levels",
     )
 
-    # A disk that hangs: the first file is a pipe that nobody reads. Frames go on, and what finds no room is counted.
+    # A disk that hangs: the first file is a pipe that nobody reads. Processing continues; dropped patches are counted.
     slots = 1024
     things = [
         (i, kind, thing) for i, one in enumerate(found) for kind in ("ball", "robot") for thing in one[f"{kind}s"]

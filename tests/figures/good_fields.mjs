@@ -4,7 +4,7 @@
 // warning.
 //   node good_fields.mjs [--fields 50] [--first 1] [--minutes 10] [--at-once 1] [--rate 10] [--drawn]
 // --drawn: images from the renderer of tests/halls, which shares no code with the simulator, of one camera over one
-// half. Alerts that the other half is uncovered, and that robots which drive there are lost, are then allowed.
+// half. Two alerts are then allowed: the other half is uncovered, and robots that drive there are lost.
 import { createSocket } from 'node:dgram';
 import { execFileSync } from 'node:child_process';
 import { once } from 'node:events';
@@ -54,7 +54,7 @@ function turned([x, y, z, w], [a, b, c]) {
   return [a + w * t[0] + y * t[2] - z * t[1], b + w * t[1] + z * t[0] - x * t[2], c + w * t[2] + x * t[1] - y * t[0]];
 }
 
-/** A grid of cameras that look straight down, each slightly beyond the carpet or into its neighbours' parts. */
+/** A grid of cameras that look straight down; each also sees a little beyond the carpet or of its neighbours' parts. */
 function camerasOf(chance, count, field, source, classes) {
   const [columns, rows] = GRIDS[count];
   const length = field.field_length + 2 * field.boundary_width_goal_line, width = field.field_width + 2 * field.boundary_width;
@@ -97,7 +97,7 @@ function adminOf(service) {
       }, ({ state, report }) => state === 'done' && report.learnt);
       await learning('POST', '/accept');
     },
-    /** Collects what the verdict says against the field after GO (or after an admin's patience): `said`, with
+    /** Collects what the verdict reports against the field after GO (or after an admin's patience): `said`, with
      * counts. */
     async watch(isExpected = () => false) {
       // Colour problems from before the learning are still reported for the images of the last minute.
@@ -133,7 +133,7 @@ function row(text, { said, busy, looks }) {
 
 const notSetUp = (error) => ({ said: new Map([['', { what: `not set up: ${error.message.slice(0, 300)}`, times: 1 }]]), busy: new Set(), looks: 0 });
 
-/** Watches a simulated field; returns whether nothing was said against it. */
+/** Watches a simulated field; returns whether the verdict reported nothing against it. */
 async function watchSimulated(seed) {
   const chance = chances(seed);
   const service = await createService(`239.255.78.${seed % 250}`);

@@ -72,7 +72,7 @@ try {
   await service.statusBecomes(({ cameras }) => cameras[0].frames > 300);
 
   const without = [], withViewers = [];
-  const worst = { without: [], withViewers: [] }; // p99 of each block: shows its natural variation
+  const worst = { without: [], withViewers: [] }; // p99 of each block, to show its natural variation
   let pictures = 0, lost = 0, lostWith = 0, jpegsWithout = 0;
   for (let round = 0; round < ROUNDS; round++) {
     const before = await encoded();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sheets of every page's appearance at every screen size: docs/images/sheets and docs/screens.md, which shows them. Also
-// docs/images/overview.jpg, for README.
+// Makes a sheet of screenshots of each page at all screen sizes: docs/images/sheets, and docs/screens.md, which shows
+// them. Also makes docs/images/overview.jpg, for README.
 //   node tests/figures/sheets.mjs [PAGE...]    all pages, or only those whose address begins with a PAGE
 // Environment: see tests/e2e/service.mjs and browser.mjs.
 import { mkdirSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
@@ -63,7 +63,7 @@ async function sheet(browser, shots) {
   }
 }
 
-/** The landing page with the demo's two cameras, as README shows it: graphs need half a minute. */
+/** The landing page with the demo's two cameras, for README. Waits half a minute, until the graphs have data. */
 async function overview() {
   const service = await createService('239.255.77.129');
   for (const { source } of service.settings.cameras) source.frame_rate_hz = 30;

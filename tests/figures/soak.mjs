@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Long operation in a hall, condensed: four cameras, viewers that connect and disconnect, changes of settings and
-// colours, a camera that is reopened repeatedly. Does anything grow, is a frame lost? Prints a Markdown table; exit
-// code 1 if so.
+// Condensed long-term operation: four cameras, viewers that connect and disconnect, changes of settings and colours, a
+// camera that is reopened repeatedly. Prints a Markdown table; exit code 1 if memory, threads or descriptors grow or a
+// frame is lost.
 //   node soak.mjs [--minutes 10] [--rate 60]
 import { readdirSync, readFileSync } from 'node:fs';
 import { setTimeout as pause } from 'node:timers/promises';
@@ -110,7 +110,7 @@ try {
   console.log(`Four cameras, 1280 x 1024, ${RATE_HZ} Hz, ${MINUTES} min: ${counts.viewers} viewers came and went (${counts.pictures} pictures), ${counts.edits} changes of settings, ${counts.strokes} of a colour table, ${counts.reopenings} reopenings of camera ${RESTLESS}\n`);
   console.log('| | after the warm-up | at the end | growth | within 1 % |\n|---|---:|---:|---:|---|');
   for (const [key, unit] of [['memory', ' kB'], ['threads', ''], ['descriptors', '']]) {
-    // Connections come and go, so the minimum shows how many descriptors and threads remain.
+    // Connections open and close, so the minimum shows how many descriptors and threads remain.
     const measure = key === 'memory' ? mean : least;
     const first = measure(settled.slice(0, third), key), last = measure(settled.slice(-third), key);
     const growth = last / first - 1;

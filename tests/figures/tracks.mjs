@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// From pixels to tracks: four simulated cameras with poses that differ from their calibrations, different capture
-// times, clock offsets and jitter, and lost images. Prints the tracks' errors, the cameras' disagreement, and the
-// latency that the field's stack adds to the cameras' packets.
+// The whole chain from pixels to tracks: four simulated cameras with poses that differ from their calibrations,
+// different capture times, clock offsets and jitter, and lost images. Prints the tracks' errors, the cameras'
+// disagreement, and the latency that the field's stack adds to the cameras' packets.
 //   node tracks.mjs [--seconds 60] [--seed 1] [--rate 75] [--robots 11] [--stretches 8]
 import { execFileSync } from 'node:child_process';
 import { join } from 'node:path';

@@ -67,7 +67,7 @@ void read_all(const std::string& name, std::size_t file_bytes) {
   std::size_t of_cameras = 0;
   for (const ClipReader::Camera& camera : reader.cameras()) of_cameras += camera.frames.size();
   expect(of_cameras == reader.entries().size(), "a frame of no camera");
-  // Ordered by time, except a camera's frames after its clock was set back.
+  // Frames are ordered by time, except those of a camera after its clock was set back.
   std::map<std::uint32_t, double> latest_s;
   double before_s = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < reader.entries().size(); ++i) {

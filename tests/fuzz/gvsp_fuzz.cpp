@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // libFuzzer: for any packets sent as a GigE camera's images, those that pass the kernel's filters make the
-// library allocate little memory and write only into its buffers; and for any properties it then reports of
-// an image, an accepted image lies within its buffer. An input is a byte that selects the sizes of buffers
-// and packets, then packets, each preceded by a length of two bytes; if that byte is odd, the reported image
-// properties instead. ./run test-long
+// library allocate little memory and write only into its buffers. Whatever properties it then reports for an
+// image, an accepted image lies within its buffer. An input is a byte that selects the sizes of buffers and
+// packets, followed by the reported image properties if that byte is odd, otherwise by packets, each preceded
+// by a length of two bytes. ./run test-long
 #include "capture/aravis/aravis_images.h"
 #include "capture/aravis/gvsp_door.h"
 #include "fuzz/expect.h"
@@ -73,7 +73,7 @@ bool passes(const GvspFilter& filter, Bytes bytes, Bytes network) {
   return false;
 }
 
-/// Checks the memory effects of the library's use of a packet's numbers.
+/// Checks how much memory the library allocates and writes because of a packet's numbers.
 void check_numbers(Bytes gvsp, const GvspBounds& bounds) {
   expect(gvsp.size() >= 8, "a packet without a header");
   const bool is_extended = (gvsp[4] & 0x80) != 0;

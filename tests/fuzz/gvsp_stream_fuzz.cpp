@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer: for any packets sent beside a GigE camera's, with its address, the camera's images keep arriving
-// and none shows foreign memory. Uses the whole library, over loopback. An input is a sequence of packets,
-// each preceded by a byte that selects its form (as it is, or a leader, trailer, block or piece with numbers
-// from the following bytes) and a length of two bytes. ./run test-long
+// libFuzzer: whatever packets are sent from a GigE camera's address beside its own, the camera's images keep
+// arriving and none contains other memory. Uses the whole library, over loopback. An input is a sequence of
+// packets, each preceded by a byte that selects its form (as it is, or a leader, trailer, block or piece with
+// numbers from the following bytes) and a length of two bytes. ./run test-long
 #include "base/clock.h"
 #include "capture/aravis/aravis.h"
 #include "fuzz/expect.h"
@@ -81,7 +81,7 @@ struct Camera {
   test::UdpForger forger;
   std::uint16_t port = 0;
   double looked_s = steady_s(), held_up_s = 0;
-  std::uint64_t frame = 0x4000;  // far from the camera's own numbers, which would otherwise be late
+  std::uint64_t frame = 0x4000;  // far from the camera's own numbers, which would otherwise count as late
 };
 
 std::string packet_of(std::uint8_t how, std::uint64_t frame, std::string_view data) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer: for any bytes on a connection, each request gets an HTTP answer or the connection is closed, and
-// others are still served. ./run test-long
+// libFuzzer: whatever bytes a connection sends, each request gets an HTTP answer or the connection is closed,
+// and other connections are still served. ./run test-long
 #include "fuzz/served.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

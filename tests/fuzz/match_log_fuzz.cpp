@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // libFuzzer: for any file, a match log's reader returns its messages in order or throws a one-line error, and
-// no index beside the log leads outside of it. The first byte selects how the rest is used: a file as it is,
-// a log to be packed in two gzip members, or the index of a valid log. ./run test-long
+// no index beside the log makes it read outside the log. The first byte selects how the rest is used: as a
+// file, as a log to be packed in two gzip members, or as the index of a valid log. ./run test-long
 #include "base/error.h"
 #include "fuzz/expect.h"
 #include "fuzz/live_bytes.h"

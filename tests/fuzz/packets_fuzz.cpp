@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer: a datagram received by multicast can at worst be lost itself, even from a computer named in the
+// libFuzzer: a datagram received by multicast has at worst no effect, even if its sender is named in the
 // settings. An input is a sequence of datagrams, each preceded by a byte for the sender and two for the
 // length. ./run test-long
 #include "fuzz/expect.h"
@@ -20,8 +20,8 @@
 namespace sslv {
 namespace {
 
-// Little is stored per sender and camera, but there may be many: an upper bound on the tables, as seen from
-// outside.
+// Little is stored per sender and camera, but there may be many of them: an upper bound on the sizes of the
+// tables that this program can observe.
 constexpr std::size_t kMaxCameras = 4096;
 
 /// The field's stack without its output.

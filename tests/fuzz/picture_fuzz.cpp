@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer: the callers of the image decoders give them buffers that are large enough. The first byte
+// libFuzzer: the callers of the image decoders allocate buffers that are large enough. The first byte
 // selects how the rest is used: a camera's JPEG, or an image or video file. ./run test-long
 #include "capture/files/file_media.h"
 #include "fuzz/expect.h"

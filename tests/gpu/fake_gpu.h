@@ -57,7 +57,7 @@ class FakeGpu final : public ThresholdDevice {
       is_lost_ = all_->loses_itself;
       return false;
     }
-    // Like a GPU, it only takes a new table if the id has changed.
+    // Like a GPU, copies the table only if its id has changed.
     if (std::exchange(table_id_, table.lut_id) != table.lut_id)
       table_.assign(table.labels.begin(), table.labels.end());
     labels.cell_px = 1;

@@ -91,7 +91,7 @@ TEST_F(GpuContextTest, AContextThatIsGoneIsToldWithEveryImage) {
   }
   EXPECT_TRUE(context().is_lost());
   EXPECT_THROW(GpuThreshold{context()}, GpuError);
-  // The next context works, in the same process.
+  // A new context works, even in the same process.
   GpuContext next;
   GpuThreshold again(next);
   EXPECT_TRUE(again.process(lut, grey.mask, grey.image, grey.labels)) << again.problem();

@@ -83,8 +83,8 @@ class GpuThresholdStageTest : public ::testing::Test {
   bool becomes_on_gpu(int width = 40) {
     return becomes([&] { return image(width); });
   }
-  /// Waits until the GPU was asked for an image and did not label it. The GPU must be unable to label any by
-  /// now: otherwise the CPU's turns during a measurement would look the same.
+  /// Waits until the GPU was asked for an image and did not label it. Call it only when the GPU cannot label
+  /// images: otherwise the CPU's turns during a measurement would be mistaken for that.
   bool becomes_missed() {
     // The request may reach it after the stage has stopped waiting.
     const int before = gpus_->asked;

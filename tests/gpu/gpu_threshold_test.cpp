@@ -233,7 +233,7 @@ TEST_P(GpuThresholdBy, AnotherTableAtTheSamePlaceIsAnotherTable) {
   Random random(7);
   Drawn drawn(PixelFormat::kRgb24, 64, 8);
   drawn.fill(random);
-  // Created and freed in turn, as when following the light: they may well be at the same address.
+  // Tables are created and freed in turn, as when following the light, so their addresses may be equal.
   for (int i = 0; i < 5; ++i) {
     const auto lut = std::make_unique<const Lut>(random_lut(random, 7));
     ASSERT_EQ(compare()(*lut, Mask(), drawn.image()), "");

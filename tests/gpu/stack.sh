@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# stack.sh BUILD FOLDER: the GPU stage's library in a stack of the command line tool: its results must equal the CPU's,
-# byte for byte.
+# stack.sh BUILD FOLDER: runs the GPU stage's library in a stack of the command-line tool. Its results must equal the
+# CPU's, byte for byte.
 set -euo pipefail
 build=$(realpath "$1") sources=$(realpath "$(dirname "${BASH_SOURCE[0]}")/../..")
 rm -rf "$2" && mkdir -p "$2" && cd "$2"
@@ -22,6 +22,6 @@ settings gpu_threshold >gpu.json
 cat said.txt
 grep -q '^gpu_threshold: ' said.txt
 [[ -s cpu.jsonl ]]
-# Except the stages' times.
+# Removes the stages' times, which differ.
 for file in cpu gpu; do sed -i 's/,"timing_us":{[^}]*}//' $file.jsonl; done
 cmp cpu.jsonl gpu.jsonl

@@ -18,8 +18,8 @@ constexpr std::uint64_t mixed(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// Random numbers that depend only on a seed, a purpose and a number: a frame looks the same whichever frames
-/// were drawn before.
+/// Random numbers that depend only on a seed, a purpose and a number, so that a frame does not depend on the
+/// frames drawn before it.
 class Chance {
  public:
   Chance(std::uint64_t seed, std::string_view purpose, std::uint64_t number = 0) : state_(mixed(seed)) {

@@ -9,7 +9,7 @@
 namespace sslv::halls {
 namespace {
 
-// Rays per side of a pixel: places the centre of a 9 px dot within 0.006 px (rms).
+// Rays per side of a pixel; 8: the centre of a 9 px dot has an rms error of 0.006 px.
 constexpr int kRaysOfPlay = 8;
 constexpr int kRaysOfFurniture = 4;
 // Number of moments of the exposure at which moving things are drawn: at 4 m/s and 8 ms, 4 mm apart.
@@ -138,7 +138,7 @@ void Painter::draw_solids(std::span<const Solid* const> solids, const LightMap* 
   }
 }
 
-/// Each lamp casts a soft shadow; in addition little light reaches the floor right beside an object.
+/// Each lamp casts a soft shadow; in addition, less light reaches the floor right beside an object.
 void Painter::cast_shadow(const Eigen::Vector2d& at_mm, double radius_mm, double height_mm,
                           Picture& picture) const {
   const LightFrom light = light_.from(at_mm);

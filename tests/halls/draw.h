@@ -18,7 +18,7 @@ class Painter {
   /// Draws everything static; takes about a second for large images.
   Painter(const Hall& hall, const CameraModel& camera);
 
-  /// Nonzero where something is that does not belong to the play.
+  /// Nonzero in pixels where nothing may be placed: furniture, people, distractors, cables.
   const std::vector<std::uint8_t>& obstacles() const { return obstacles_; }
 
   /// `light`: brightness of this frame's lamps relative to the average.

@@ -183,7 +183,7 @@ Prints print(Chance& chance, std::size_t team, bool hard, Transfer transfer) {
                           {130, 230, 100}, {70, 200, 85},  {55, 178, 80}};
   constexpr Seen kYellow[]{{245, 215, 40}, {235, 195, 30}, {250, 225, 85}, {242, 178, 30}};
   constexpr Seen kBlue[]{{45, 100, 220}, {35, 130, 225}, {55, 85, 200}, {75, 125, 240}, {32, 62, 150}};
-  // The last of each list come from some printers only.
+  // The last `rare` colours of each list occur only in hard halls: few printers make them.
   const auto pick = [&](const auto& list, int rare) {
     return list[static_cast<std::size_t>(
                     chance.whole(0, static_cast<int>(std::size(list)) - 1 - (hard ? 0 : rare)))]
@@ -302,7 +302,7 @@ Hall make_hall(const HallOptions& options) {
     turn(hall.calibration, options.tilt_deg, 0, 0);
     make_acceptance(hall, chance);
   } else {
-    // Real cameras deviate from that pose; and more of the hall is in view.
+    // Real cameras deviate from that pose, and show more of the hall.
     turn(hall.calibration, options.tilt_deg + chance.uniform(-2, 2), chance.uniform(-2, 2),
          chance.uniform(-3, 3));
     hall.calibration.focal_length *= chance.uniform(0.9, 1);

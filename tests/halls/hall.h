@@ -65,7 +65,7 @@ struct Hall {
 
 Hall make_hall(const HallOptions& options);
 
-/// The robot height given to the tools; the true heights may differ.
+/// The robot height in the tools' settings; the true heights may differ.
 constexpr double kNominalHeightMm = 140;
 
 }  // namespace sslv::halls

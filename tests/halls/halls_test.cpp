@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The renderer's own ground truth: objects are drawn at the stated places.
+// Checks the renderer's ground truth: objects are drawn where it states them.
 
 #include "camera_bytes.h"
 #include "draw.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Verdicts of the painted-line check on halls that the simulator does not know: with the true calibration,
-// and with a camera that was moved or configured with another field size. One table row per kind of hall.
+// Verdicts of the painted-line check on halls not drawn by the simulator: with the true calibration, with a
+// camera that was moved, and with another field size. One table row per kind of hall.
 
 #include "calibration/check_lines.h"
 #include "draw.h"
@@ -93,7 +93,7 @@ void table(Kind kind, const char* name, Size size, PixelFormat format, int seeds
       }
       ++k;
     }
-    // A camera over half of the field may see none of the lines in which the other division differs.
+    // A camera over half of the field may see no line whose place differs between the divisions.
     FieldSize other = field_preset(size == Size::kB ? "division-a" : "division-b", "");
     if (size == Size::kA) {
       other = hall.field;

@@ -109,7 +109,7 @@ Play Game::scattered(int frame) const {
       const Motion motion = random_motion(chance, 6);
       for (int tries = 0;; ++tries) {
         if (tries == 3000) throw std::runtime_error("there is no room for so many robots");
-        // One in six nearly touches another one.
+        // One robot in six nearly touches another.
         std::optional<Eigen::Vector2d> at;
         if (!play.robots.empty() && tries < 50 && chance.happens(0.16)) {
           const Robot& other = play.robots[chance.bits() % play.robots.size()].solid;
@@ -161,7 +161,7 @@ Motion Game::random_motion(Chance& chance, double spin_rad_s) const {
   return {speed * Eigen::Vector2d(std::cos(angle), std::sin(angle)), chance.uniform(-spin_rad_s, spin_rad_s)};
 }
 
-/// In the open, on a line, beside a robot or behind one.
+/// Places the ball in the open, on a line, beside a robot or behind one.
 void Game::place_ball(Chance& chance, Play& play) const {
   const bool is_hard = hall_.options.kind == Kind::kHard;
   const double kind = chance.uniform(0, 1);

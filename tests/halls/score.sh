@@ -1,14 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# One line for each hall drawn by draw_halls: learns colours from its first frames, then processes and scores other
-# frames.
+# For each hall drawn by draw_halls, learns colours from its first frames, then processes and scores other frames, and
+# prints a line.
 #
 #   tests/halls/score.sh [--learn N] [--learn-light F] [--frames M] [--light F] [--kinds "usual hard acceptance"] [--sizes "A B C"]
 #       [--formats "uyvy rgb24 bayer_rg8"] [--seeds "1 2 3 4"] [--ball-share 0.4] [--keep FOLDER] [-- OPTIONS OF draw_halls]
 #
-# DRAW_HALLS and SSL_VISIONCTL name the programs; default: those of build/release. Each frame has its own light, as
-# suits the kind; --learn-light and --light give the frames for learning and the others a fixed factor instead. Balls
-# count when fully visible, or by at least the fraction --ball-share. Times depend on the computer's other load.
+# DRAW_HALLS and SSL_VISIONCTL name the programs; default: those of build/release. By default each frame has its own
+# light, as suits the kind of hall; --learn-light fixes it for the frames for learning, --light for the others. Balls
+# count if fully visible, or if at least the fraction --ball-share is. Times depend on the computer's other load.
 set -eu
 
 here=$(cd "$(dirname "$0")" && pwd)

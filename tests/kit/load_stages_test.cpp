@@ -230,7 +230,7 @@ TEST_F(LibraryFolder, SurvivesWhatALibraryDoesWhenItIsLoaded) {
 }
 
 TEST_F(LibraryFolder, EndsALibraryThatNeverComesToAnEnd) {
-  // They share the time limit, without affecting a correct library.
+  // The hanging libraries share one time limit, and a correct library still loads.
   for (const char* name : {"a.so", "b.so", "c.so"}) put(name, bytes_of(library("hangs_loading")));
   put("good.so", bytes_of(library("counting")));
   const LoadedStages loaded = load_stages({folder_.path()}, std::chrono::seconds(30));

@@ -15,8 +15,8 @@ megabytes=$(du -m --apparent-size "$image" | cut -f 1)
 check "the image is small, $megabytes MB" test "$megabytes" -le 120
 
 options=(--bind=/dev/loop-control --property=DeviceAllow="block-loop rwm" --property=DeviceAllow="/dev/loop-control rwm")
-# be_computer: gives the container what only computers have: loop devices that udev knows, and /run/host where systemd
-# can put files for the service.
+# be_computer: adds to the container what only real computers have: loop devices that udev knows, and a /run/host that
+# systemd can write to for the service.
 be_computer() {
   inside sh -c 'umount --lazy /run/host; rm -f /run/host/os-release; mkdir -p /run/udev/data
     for i in 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15; do mknod "/dev/loop$i" b 7 "$i"; echo I:1 >"/run/udev/data/b7:$i"; done'
@@ -46,9 +46,9 @@ set_site() { is "$(patch '[{"op": "replace", "path": "/site", "value": "Field of
 set_password() { echo 'correct horse battery staple' | inside /root/ssl-visionctl passwd; }
 needs_password() { is "$(patch '[]')" 401; }
 has_site() { is "$(get /api/settings | jq -r .settings.site)" "Field of the test"; }
-# On a busy machine its default of 25 seconds is too short.
+# On a busy machine portablectl's default timeout of 25 s is too short. In systemd 247 only systemctl disables units.
 portable() { inside env SYSTEMD_BUS_TIMEOUT=300s portablectl "$@"; }
-detach() { inside systemctl disable --now "$unit" && portable detach ssl-visiond; }  # 247 disables only so
+detach() { inside systemctl disable --now "$unit" && portable detach ssl-visiond; }
 is_new() { local now; now=$(pid) && [[ $now != 0 && $now != "$before" ]] && answers; }
 
 for release in "${releases[@]}"; do

@@ -78,7 +78,7 @@ has_booted() { [[ $(inside systemctl is-system-running 2>/dev/null) =~ ^(running
 start() {
   # Containers are otherwise not allowed to query the clock.
   local options=(--system-call-filter="adjtimex clock_adjtime" "$@")
-  # Without systemd no list of machines is kept.
+  # A host without systemd has no registry of machines.
   [[ -d /run/systemd/system ]] || options+=(--register=no --keep-unit)
   systemd-nspawn --quiet --directory machine --machine "ssl-visiond-test-$$" --private-network --boot "${options[@]}" \
     </dev/null >boot.log 2>&1 &

@@ -40,7 +40,7 @@ boot "$debian"
 apt() { inside apt-get -q -y "$@"; }
 ctl() { inside ssl-visionctl "$@"; }
 
-# Older kernels show it only outside the container; there it is the machine's.
+# Older kernels show this limit only outside the container, where it is the machine's own.
 limit() { inside cat /proc/sys/net/core/rmem_max 2>/dev/null || cat /proc/sys/net/core/rmem_max; }
 limit_before=$(limit) || failed "the system's limit of receive buffers cannot be read"
 check "apt-get install ./${service##*/}" apt install "/root/${service##*/}"
@@ -165,7 +165,7 @@ check "the password is removed" inside ssl-visionctl passwd --remove
 
 # ---- faults of the service
 
-# recovers SIGNAL: sends it to the process; stores the time until a new one answers in `took`.
+# recovers SIGNAL: sends it to the process, and appends the time until a new process answers to `took`.
 took=()
 is_new() { local now; now=$(pid) && [[ $now != 0 && $now != "$before" ]] && answers; }
 recovers() {

@@ -268,7 +268,7 @@ TEST_F(MisbehavingStages, OneThatHangsIsNamedAndSinceWhen) {
   EXPECT_EQ(hangs["stage"], "hang");
   EXPECT_EQ(hangs["library"], "");
   EXPECT_GE(now["time"].get<double>() - hangs["since"].get<double>(), 4);
-  // The reason why the watchdog is not fed, and the line in the log.
+  // The reason for the missed watchdog messages, which is also logged.
   EXPECT_THAT(daemon_->hanging(), StartsWith("camera 4 has hung for "));
   EXPECT_THAT(daemon_->hanging(), HasSubstr(" s in the stage 'hang'"));
   EXPECT_THAT(ask("/healthz"), HasSubstr("in the stage 'hang'"));
@@ -314,7 +314,7 @@ TEST_F(MisbehavingStages, OneOfTheFieldThatHangsEndsNoService) {
 TEST_F(MisbehavingStages, OneThatIsSlowIsNamedAndNotTheComputer) {
   // Much slower than anything else, even on a busy computer.
   start({{"stack", stack_with("be_slow")}, {"stages", {{"be_slow", {{"ms", 1000}}}}}});
-  // Until the rates are known well, the title may give the duration of one image instead.
+  // Until rates are measured well, the title may contain the duration for one image instead.
   const Json now = wait_for_alert("stage_slow", "Camera 4: the stage 'be_slow' takes ");
   const std::string title = alert_of(now, "stage_slow")->at("title");
   EXPECT_THAT(title, HasSubstr(" ms an image; images come every "));

@@ -53,7 +53,7 @@ export class Comparison {
   #alone;
   #images = { attacked: new Map(), control: new Map() };
   #newest = { attacked: [], control: [] }; // track packets
-  #waiting; // track packets for which the other service has not sent one of the same time or later yet
+  #waiting; // track packets that wait for one of the same time or later from the other service
   #lastSent; // {time_s, number} of the attacked service, by kind of packet
   #figures;
 
@@ -129,7 +129,7 @@ export class Comparison {
     if (!(now.time_s > last.time_s)) return;
     this.#lastSent.set(what, now);
     let silent_ms = 1000 * (now.time_s - last.time_s);
-    // Strangers fill this program's sockets, too: packets dropped there had been sent.
+    // Strangers also flood this program's sockets: packets dropped there were sent, so they do not count as silence.
     if (silent_ms > MOST_SILENT_MS && now.number > last.number && wasDropped()) silent_ms /= now.number - last.number;
     this.#figures.silent_ms = Math.max(this.#figures.silent_ms, silent_ms);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks that ./run strangers finds faults in a service's packets, and does not pass if it received none.
+// Checks that ./run strangers finds faults in a service's packets, and fails if it received none.
 import assert from 'node:assert/strict';
 import { describe, it } from 'node:test';
 import { Comparison, faultsOf } from './compare.mjs';

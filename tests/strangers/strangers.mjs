@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Attacks by strangers on the team network: each attack of attacks.mjs for a while, then all at once, over loopback
-// only, against the real service with two simulated cameras, a GigE camera and a match that is recorded. A second
-// service with the same cameras is not attacked. Prints a table in Markdown. Exit code 1 unless the packets of both
-// services are equal, the tracks too (bounds: compare.mjs), peak memory grows by at most MOST_GROWTH_MB, the service
-// answers, its cameras keep running, nothing is deleted, and no alert occurs twice. Exit code 77: not possible here.
+// Attacks by strangers on the team network: runs each attack of attacks.mjs for a while, then all at once, over
+// loopback only, against the real service with two simulated cameras, a GigE camera and a match that is recorded. A
+// second service with the same simulated cameras is not attacked. Prints a table in Markdown. Exit code 1 unless both
+// services' packets and tracks are equal (bounds: compare.mjs), peak memory grows by at most MOST_GROWTH_MB, the
+// service answers, its cameras run, nothing is deleted, and no alert occurs twice. Exit code 77: not possible here.
 //   node strangers.mjs [--minutes 10] [--seed 1] [--only NAME ...] [--rate 20]
 //   SSLV_DAEMON, SSLV_FAKE_CAMERA: the programs; default: the release build's
 import { spawn } from 'node:child_process';
@@ -37,7 +37,7 @@ const STOP = 1, START = 2;
 const attacks = ATTACKS.filter(({ name }) => !options.only || options.only.some((wanted) => name.includes(wanted)));
 if (attacks.length === 0) throw new Error(`--only: there is ${ATTACKS.map(({ name }) => `"${name}"`).join(', ')}`);
 
-// Outside the field's subnet, which is the loopback's. HTTP attacks use it, too, as the loopback is trusted more.
+// An address outside the field's subnet, which is the loopback's. HTTP attacks also use it: loopback is trusted more.
 const outside = Object.values(networkInterfaces()).flat().find(({ family, internal }) => family === 'IPv4' && !internal)?.address;
 if (!outside) {
   console.error('strangers: this computer has no address but its loopback, so no stranger can come from another subnet');
@@ -54,7 +54,8 @@ for (const [who, service] of Object.entries({ attacked, control })) {
   settings.network.tracker = { enabled: true, group: tracker, port: await freeUdpPort() };
   settings.network.referee = { enabled: true, group: referee, port: await freeUdpPort(), interface: 'lo' };
   settings.recording = { quota_mb: 100, keep_free_mb: 0, last_seconds: { memory_mb: 32 } };
-  // Everything stands still: the order of the cameras' images has no effect, but any effect of strangers is noticed.
+  // A static scene: the order of the cameras' images has no effect on the tracks, so any difference is an effect of
+  // strangers.
   for (const { source } of settings.cameras) Object.assign(source, { frame_rate_hz: RATE_HZ, noise_sigma: 0, speed: 0 });
 }
 const [seen] = attacked.settings.cameras;
@@ -133,7 +134,7 @@ const imageBytes = async () => {
   return code === 200 ? text.length : 0;
 };
 
-/** Checks once a second until the returned function is called, then once more; that function returns what was wrong. */
+/** Checks once a second until the returned function is called, then once more; that function returns the faults. */
 function watch(kept, first) {
   let ends = false, oddImage = null;
   const wrong = new Set(), alerts = new Set();

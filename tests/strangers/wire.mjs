@@ -79,5 +79,5 @@ export const imageLeader = ({ type = IMAGE, format = MONO_8, width = 640, height
 export const partsLeader = (parts, type = PARTS) => all(numbers([2, 0], [2, type], [8, 0]),
   parts.map(({ width, height, size, format = MONO_8 }) => numbers([2, 1], [6, size], [4, format], [12, 0], [4, width], [4, height], [8, 0], [8, 0])));
 export const piece = (offset, data) => all(numbers([2, 0], [6, offset]), data);
-/** Requests from a camera the port that it sends images to, which anyone may do; it is the end of the answer. */
+/** Asks a camera for the port that it sends images to, as anyone may; the answer ends with the port. */
 export const readStreamPort = numbers([4, 0x42010080], [2, 4], [2, 1], [4, 0xd00]);

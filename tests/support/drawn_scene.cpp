@@ -20,7 +20,7 @@
 namespace sslv {
 namespace {
 
-/// Read from an image of large discs of all paints.
+/// The paints' colours, read from an image with a large disc of each.
 std::array<Rgb, paint::kCount> read_paints() {
   SimulatorOptions options = plain_options();
   const CameraModel camera(overhead_camera());
@@ -45,8 +45,8 @@ std::array<Rgb, paint::kCount> read_paints() {
   return out;
 }
 
-/// A table as made by an admin who clicks each colour at full and at reduced brightness. Cached, as making
-/// one takes a while.
+/// A table as an admin makes it by clicking each colour at full and at reduced brightness. Cached, because
+/// building a table is slow.
 std::shared_ptr<const Lut> lut_for(const SimulatorOptions& options) {
   using Light = std::tuple<double, double, double, double>;
   static std::map<Light, std::shared_ptr<const Lut>> made;
@@ -214,7 +214,7 @@ void DrawnScene::paint(const Cover& cover, LightPicture& picture) const {
 
 namespace {
 
-/// The empty field, cached for all scenes that share it, as drawing it takes longest.
+/// The empty field, cached for all scenes with the same camera, field and light, because drawing it is slow.
 const LightPicture& carpet(const SimulatorRenderer& renderer, const SimulatorOptions& options,
                            const Scene& scene) {
   static std::map<std::string, LightPicture> carpets;

@@ -22,7 +22,7 @@ namespace sslv {
 
 /// 780 x 580 pixels of 6 mm, straight down on (1250, 0).
 CameraCalibration overhead_camera();
-/// The same tilted by 30 degrees; its optical axis meets the floor there.
+/// The same camera tilted by 30 degrees; its optical axis still meets the floor at (1250, 0).
 CameraCalibration oblique_camera();
 /// overhead_camera() with a wider lens: pixels are `times` larger.
 CameraCalibration wide_camera(double times);
@@ -54,7 +54,7 @@ class DrawnScene {
                  Rgb color);
   /// Removes everything.
   void clear();
-  /// The next image shows the same with other noise.
+  /// The next image shows the same scene with other noise.
   void expose_again() { image_ = {}; }
 
   const SimulatedScene& things() const { return things_; }

@@ -722,7 +722,7 @@ dc1394error_t dc1394_capture_stop(dc1394camera_t* camera) {
   if (!call.handle.capture) return DC1394_CAPTURE_IS_NOT_SET;
   --bus().counts.captures;
   const std::unique_ptr<Capture> capture = std::move(call.handle.capture);
-  if (call.gone()) return DC1394_IOCTL_FAILURE;  // and leaks everything
+  if (call.gone()) return DC1394_IOCTL_FAILURE;  // leaks memory and file, like the library
   ::munmap(capture->memory, capture->bytes);
   ::close(capture->fd);
   return DC1394_SUCCESS;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A substitute for libdc1394: the same C functions, over cameras that a test plugs in. It follows the
-// library's headers and, where these do not say, the behaviour of version 2.2.6 on Linux:
+// A substitute for libdc1394: the same C functions, for fake cameras that a test plugs in. It follows the
+// library's headers and, for everything that they leave open, version 2.2.6 on Linux:
 //  - buffers are handed out in ring order, whichever of them the card has filled;
 //  - a frame for which no buffer is queued is silently lost;
 //  - once a camera is gone, stopping its capture fails and leaks memory and file;

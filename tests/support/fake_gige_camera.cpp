@@ -48,7 +48,7 @@ Setup read_setup(const char* path) {
   return params_from_json<Setup>(Json::parse(file), path);
 }
 
-/// A source paced by the camera's client; `frame_rate_hz` receives the rate that it would have had itself.
+/// A source that is paced by the camera's client; `frame_rate_hz` receives its rate in the settings, or 30.
 std::unique_ptr<Source> open_source(const Setup& setup, double& frame_rate_hz) {
   Json options = setup.source;
   const std::string name = options.at("backend").get<std::string>();
@@ -67,7 +67,7 @@ std::unique_ptr<Source> open_source(const Setup& setup, double& frame_rate_hz) {
   return backend->open(options, context);
 }
 
-/// Waits for a complete image. Throws std::runtime_error if there will be none.
+/// Waits for a complete image; throws std::runtime_error if the source has ended or failed.
 CapturedImage take(Source& source) {
   for (;;) {
     CapturedImage image;

@@ -24,7 +24,7 @@ class GroupListener {
 
   /// Uses a free port if `port` is 0. Throws std::runtime_error if it cannot listen.
   explicit GroupListener(std::uint16_t port = 0) : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {
-    // A given port is shared. A free one is bound exclusively and shared afterwards.
+    // A given port is shared. A free port is bound exclusively first and shared afterwards.
     if (port != 0) set(SOL_SOCKET, SO_REUSEADDR, 1);
     sockaddr_in local{};
     local.sin_family = AF_INET;

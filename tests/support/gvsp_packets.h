@@ -94,7 +94,7 @@ class UdpForger {
     ::sendto(socket_, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&name), sizeof name);
   }
 
-  /// The port to which a camera sends images, which it tells to anyone.
+  /// The port that a camera sends images to; it answers anyone who asks.
   std::uint16_t stream_port_of(const std::string& camera) const {
     constexpr std::uint16_t kControlPort = 3956;
     send(kControlPort, big_endian(0x42010080, 4) + big_endian(4, 2) + big_endian(1, 2) + big_endian(0xd00, 4),

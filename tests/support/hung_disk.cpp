@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Preloaded (LD_PRELOAD), it makes the disk of one folder hang for one program: while the file named by
-// SSLV_HUNG_WHILE exists, calls about anything below the folder SSLV_HUNG_FOLDER do not return.
+// SSLV_HUNG_WHILE exists, calls on anything below the folder SSLV_HUNG_FOLDER do not return.
 #include <cstdarg>
 #include <cstdlib>
 #include <cstring>
@@ -18,7 +18,7 @@ void wait_while_hung(const char* path) {
   const char* const flag = std::getenv("SSLV_HUNG_WHILE");
   if (folder == nullptr || flag == nullptr || std::strncmp(path, folder, std::strlen(folder)) != 0) return;
   while (::syscall(SYS_faccessat, AT_FDCWD, flag, F_OK) == 0) {
-    // A file beside it shows that a thread hangs.
+    // Creates a file beside SSLV_HUNG_WHILE to show that a thread hangs.
     char told[4096] = "";
     std::strncat(std::strncpy(told, flag, sizeof told - 16), ".reached", 15);
     ::close(static_cast<int>(::syscall(SYS_openat, AT_FDCWD, told, O_CREAT | O_WRONLY, 0600)));

@@ -10,8 +10,8 @@
 
 namespace sslv {
 
-/// A one-place mailbox: the writer never waits, and a newer value replaces an unread one. Readers remember
-/// the version that they saw last, so several may read the same value. T is copied under the lock, so it
+/// A mailbox for one value: the writer never waits, and a newer value replaces an unread one. Each reader
+/// remembers the last version it read, so several may read the same value. T is copied under the lock, so it
 /// should be a handle.
 template <class T>
 class Latest {

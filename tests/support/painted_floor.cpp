@@ -71,10 +71,10 @@ class Floor {
     }
   }
 
-  /// Indices of what a part of the image may show besides the floor.
+  /// Indices of the curves and robots that a part of the image may show.
   struct Near {
     std::vector<std::size_t> curves, robots;
-    bool whole = true;  // the floor there is of one kind
+    bool whole = true;  // the part shows only one kind of floor
   };
   Near all() const {
     Near out;

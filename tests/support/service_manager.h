@@ -27,7 +27,7 @@
 namespace sslv::test {
 
 /// The service manager's side of a service: receives sd_notify(3) messages and keeps the files sent to it.
-/// Like the real one it always listens: its socket holds some ten messages, and senders of more would block.
+/// It always listens, like the real one: its socket queues about ten messages, then senders block.
 class ServiceManager {
  public:
   explicit ServiceManager(const std::filesystem::path& socket) : path_(socket) {
@@ -66,7 +66,7 @@ class ServiceManager {
     return message.text;
   }
 
-  /// Files that the service wants back after a crash.
+  /// Files that the service has stored here, to get them back after a crash.
   const std::vector<KeptFile>& kept() const { return kept_; }
   /// Reads the last messages after the service's end.
   void hear_the_rest() {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Preloaded (LD_PRELOAD), it shifts the clock of one program without touching the computer's: adds the
-// nanoseconds in the file named by SSLV_CLOCK_FILE, which may change at any time, to the Unix time. Steady
-// clocks are not affected, as when a real clock is set.
+// Preloaded (LD_PRELOAD), it shifts the clock of one program but not the computer's: adds the nanoseconds in
+// the file named by SSLV_CLOCK_FILE, which may change at any time, to the Unix time. As when a real clock is
+// set, steady clocks are not affected.
 #include <cerrno>
 #include <cstdint>
 #include <cstdlib>
@@ -27,7 +27,7 @@ const volatile std::int64_t* open_offset() {
   return memory == MAP_FAILED ? &kNone : static_cast<const volatile std::int64_t*>(memory);
 }
 
-/// Reads the kernel's clocks, as this replaces the library's functions.
+/// Reads the clock by a system call, because this library replaces the C library's functions.
 int shifted(clockid_t clock, timespec& time) {
   if (::syscall(SYS_clock_gettime, clock, &time) != 0) return -1;
   if (clock != CLOCK_REALTIME && clock != CLOCK_REALTIME_COARSE) return 0;

@@ -260,7 +260,7 @@ TEST(Vivid, RefusedStartsAndBuffersAreNamed) {
   CapturedImage image = next_picture(*source);
   source->controls()->set("inject_vidioc_qbuf_error", nullptr);
   image = {};
-  for (int i = 0; i < 20; ++i) next_picture(*source);  // one buffer fewer
+  for (int i = 0; i < 20; ++i) next_picture(*source);  // works with one buffer fewer
 }
 
 TEST(Vivid, PicturesOutliveTheSource) {

@@ -10,8 +10,8 @@
 
 namespace sslv::worlds {
 
-/// The league's usual tracker: a constant-velocity filter per object and camera, merged by health; camera
-/// errors are not estimated, and latency is compensated only by the velocity. Written for comparison, from
+/// The league's usual tracker: a constant-velocity filter per object and camera, merged by health. It does
+/// not estimate camera errors, and compensates latency only with the velocity. Written for comparison, from
 /// published knowledge (docs/measured/tracking.md).
 class Incumbent final : public Rival {
  public:

@@ -9,8 +9,8 @@
 
 namespace sslv::worlds {
 
-/// The field's stack in a world, without its first stage, which validates data that a world generates
-/// correctly, and its last, which sends.
+/// The field's stack in a world, without its first and last stages: a world's data needs no validation, and
+/// nothing is sent.
 class Ours final : public Rival {
  public:
   void add(const WorldImage& image) override {

@@ -16,10 +16,11 @@ namespace {
 
 /// Time from an image's measurements to the packet.
 constexpr double kWork_s = 0.3e-3;
-/// Tracks settle first, unscored; set-up has its own row.
+/// Time in which tracks settle, which is not scored; set-up has its own row.
 constexpr double kWarm_s = 6;
 constexpr double kShortly_s = 0.05;
-/// Tracks with at least this visibility count as shown; beyond that distance a track is of another object.
+/// Tracks with at least this visibility count as shown; a track farther off than kElsewhereMm is of another
+/// object.
 constexpr double kShown = 0.5, kElsewhereMm = 300;
 
 double wrapped(double angle_rad) {
@@ -116,7 +117,7 @@ class Scorer {
     watch.began_s = -1;
   }
 
-  /// Counts robots shown as visible where none of that name is.
+  /// Counts robots shown as visible far from any robot of that name.
   void watch_ghost_robots(double now_s) {
     for (int of_all = 0; of_all < static_cast<int>(is_ghost_.size()); ++of_all) {
       const auto robot = estimate(of_all, now_s);
@@ -171,7 +172,7 @@ class Scorer {
   }
 
   void score_robot(int i, double now_s, double passed_s) {
-    // Once neither of the two was seen for a while, it is undecidable which is the right one.
+    // After neither of the two was seen for a while, no tracker can know which is the right one.
     if (i == 0 && world_.options().has_twin) return;
     RobotScore& state = robots_[static_cast<std::size_t>(i)];
     const RobotTruth truth = world_.robot(i, now_s);
@@ -183,7 +184,7 @@ class Scorer {
       return;
     }
     const auto robot = estimate(i, now_s);
-    // Robots outside all cameras' view cannot be known, but must not be shown as seen.
+    // A tracker cannot know robots that no camera sees, but must not show them as seen.
     constexpr double kUnseen_s = 0.12;
     if (now_s - state.seen_s > kUnseen_s) {
       if (is_warm_ && robot && robot->visibility >= 1) ++out_.counts["unseen robots shown as seen (images)"];

@@ -498,8 +498,8 @@ Vector2d World::twin_mm(double t_s) {
   return {3000 + 800 * std::cos(t_s), 2500 + 500 * std::sin(t_s)};
 }
 
-/// For see_strangers(): measurements of objects that are not the field's robots or ball. They have their own
-/// random numbers, so they are the same with all other options.
+/// For see_strangers(): measurements of objects that are not the field's robots or ball. They use separate
+/// random numbers, so that they do not depend on other options.
 constexpr double kTwinComes_s = 10;
 
 void World::see_strangers(int index, double t_s, WorldImage& image) const {

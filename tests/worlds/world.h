@@ -84,7 +84,7 @@ struct WorldImage {
 };
 
 /// A field of 12 x 9 m under four cameras, with robots that drive, catch, dribble and kick the ball, in steps
-/// of a millisecond. Nothing is drawn: the measurements have the errors that were measured for the detectors.
+/// of a millisecond. It draws no images: measurements get errors like those of the real detectors.
 class World {
  public:
   explicit World(const WorldOptions& options);

@@ -4,7 +4,7 @@
 declare const self: ServiceWorkerGlobalScope;
 /** Relative to the panel's address; './' is the page itself. */
 declare const FILES: readonly string[];
-/** Differs for every content of these files. */
+/** Changes with the contents of these files. */
 declare const VERSION: string;
 
 /** Prefix of the panel's cache names, from src/cachePrefix.ts. */
@@ -13,7 +13,7 @@ declare const PREFIX: string;
 const NAME = PREFIX + VERSION;
 const BASE = new URL('./', self.location.href);
 
-/** An upgrade between two requests could deliver the page of another panel than the listed files. */
+/** After an upgrade between two requests, the page could belong to another panel than the listed files. */
 async function checkPage(page: Response): Promise<void> {
   const entry = /<script[^>]*src="[^"]*?(assets\/[^"]+)"/.exec(await page.text())?.[1] ?? '';
   if (!FILES.includes(entry)) throw new Error(`the page wants ${entry}, which is not among the files`);

@@ -39,8 +39,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kForeignPackets(100);
 /// Maximum wait for a socket that the library's thread opens late.
 constexpr std::chrono::seconds kLateSocket(2);
-/// If all data received until this long after the start of the stream is foreign, the opening counts as
-/// failed.
+/// The opening fails if all data received within this time after the start of the stream is foreign.
 constexpr std::chrono::milliseconds kFirstPicture(500);
 
 /// Summary of the data received since the stream was started.
@@ -143,7 +142,7 @@ class BufferTimes {
 
 /// Reads the exposure time regularly while it is automatic or unknown. Uses its own thread, because the
 /// camera may answer slowly. Asks only while images arrive, because waiting for the answer of a dead camera
-/// would delay the closing.
+/// would delay closing.
 class ExposureFollower {
  public:
   ExposureFollower(AravisCamera& camera, const Link& link) : camera_(camera), link_(link) {}
@@ -206,7 +205,7 @@ class AravisSource final : public Source {
     exposure_.stop();
     {
       const std::lock_guard lock(shared_->mutex);
-      // Skipped for a dead camera: waiting for its answer would only delay the closing.
+      // Skipped for a dead camera: waiting for its answer would only delay closing.
       if (!link_->control_lost) arv_camera_stop_acquisition(camera(), nullptr);
       shared_->is_closed = true;
     }
@@ -345,7 +344,7 @@ class AravisSource final : public Source {
         label_, guarded, wanted);
   }
 
-  /// Memory for all buffers of the stream if other processes are to read images, otherwise null.
+  /// Memory for all buffers of the stream if other processes may read images, otherwise null.
   std::shared_ptr<SharedMemory> shared_buffers(std::size_t payload) const {
     if (!new_images_are_shared()) return nullptr;
     try {

@@ -53,7 +53,7 @@ class Rules {
   void require_equal(std::uint32_t number) { require(BPF_JEQ, number, true); }
   void require_at_least(std::uint32_t number) { require(BPF_JGE, number, true); }
   void require_at_most(std::uint32_t number) { require(BPF_JGT, number, false); }
-  /// Requires that as many bytes were received as the packet's IP header states.
+  /// Requires at least the number of received bytes that the packet's IP header states.
   void require_has_come(std::uint32_t ip, std::uint32_t length_at) {
     load_length();
     subtract(ip);

@@ -3,8 +3,8 @@
 
 // Validates a GigE camera's packets before the library sees them. Aravis 0.8 trusts the numbers in packets:
 // it allocates memory for any number of packets that a packet announces, and copies bytes beyond the end of a
-// buffer. So this attaches a kernel filter (BPF) to the stream's sockets that passes only packets of GigE
-// Vision's streaming protocol (GVSP) whose numbers fit the buffers.
+// buffer. Therefore the functions below attach a kernel filter (BPF) to the stream's sockets. The filter
+// passes only packets of GigE Vision's streaming protocol (GVSP) whose numbers fit the buffers.
 
 #include <cstddef>
 #include <cstdint>
@@ -39,8 +39,8 @@ GvspFilter gvsp_packet_filter(const GvspBounds& bounds);
 /// socket, and still has its UDP socket open.
 bool may_open_packet_sockets();
 
-/// Attaches the filters to the sockets of this process that receive the stream, which are found by the
-/// stream's port. Returns the number of guarded sockets; 0: none found. May be called repeatedly.
+/// Attaches the filters to the sockets of this process that receive the stream; finds them by the stream's
+/// port. Returns the number of guarded sockets; 0: none found. May be called repeatedly.
 int guard_gvsp_sockets(const GvspBounds& bounds);
 
 }  // namespace sslv

@@ -78,7 +78,7 @@ class Dc1394Source final : public Source {
 
   ~Dc1394Source() override {
     const std::lock_guard lock(link_->mutex);  // waits for a running call of a control
-    // Skipped for a dead camera: waiting for its answer would only delay the closing.
+    // Skipped for a dead camera: waiting for its answer would only delay closing.
     if (!lost_) dc1394_video_set_transmission(link_->camera, DC1394_OFF);
     link_->camera = nullptr;
     ring_->close();
@@ -171,8 +171,8 @@ class Dc1394Source final : public Source {
       times.t_capture_s = unix_time_s();
       return times;
     }
-    // The kernel's FireWire driver stamps an image's first packet, other drivers the arrival of the whole
-    // image. Sending begins at the end of the exposure.
+    // The kernel's FireWire driver stamps an image's first packet, other drivers stamp the arrival of the
+    // whole image. Sending begins at the end of the exposure.
     double t_s = static_cast<double>(frame.timestamp) * 1e-6;
     if (!stamped_at_start_) t_s -= frame.packets_per_frame * kCycleSeconds;
     const double exposure_s = link_->exposure_s.load(std::memory_order_relaxed);
@@ -181,15 +181,15 @@ class Dc1394Source final : public Source {
     return times;
   }
 
-  /// Counts lost images, which the library does not. Images were lost if this image's buffer was queued only
-  /// after the image following the last one was due.
+  /// Counts lost images, which the library does not count. Images were lost if the image after the last one
+  /// was already due when this image's buffer was queued.
   void count_dropped(const dc1394video_frame_t& frame, double queued_at_s) {
     if (frame.timestamp == 0 || video_.interval_s <= 0) return;
     const double t_s = static_cast<double>(frame.timestamp) * 1e-6;
     const double last_s = std::exchange(last_timestamp_s_, t_s);
     if (last_s == 0 || queued_at_s < last_s + video_.interval_s) return;
-    // A camera counts as lost before it has been silent for this long. So such a gap means that the host's
-    // clock, from which the time stamps are taken, was set forward.
+    // A camera that is silent for this long has already counted as lost. A longer gap therefore means that
+    // the host's clock, the source of the time stamps, was set forward.
     if (t_s - last_s > kLongestGapSeconds) return;
     const double missed = std::round((t_s - last_s) / video_.interval_s) - 1;
     if (missed > 0) dropped_ += static_cast<std::uint64_t>(missed);

@@ -354,7 +354,7 @@ std::optional<double> exposure_s_of(dc1394camera_t* camera) {
       shutter.current_mode == DC1394_FEATURE_MODE_AUTO || !(shutter.abs_value > 0)) {
     return std::nullopt;
   }
-  // In trigger modes other than 0, the exposure time is not the shutter's.
+  // In trigger modes other than 0, the shutter does not determine the exposure time.
   if (dc1394_feature_get(camera, &trigger) == DC1394_SUCCESS && trigger.available == DC1394_TRUE &&
       trigger.is_on == DC1394_ON && trigger.trigger_mode != DC1394_TRIGGER_MODE_0) {
     return std::nullopt;

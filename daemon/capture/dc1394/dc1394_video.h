@@ -25,7 +25,7 @@ Video set_up_video(dc1394camera_t* camera, const Options& options, const std::st
 
 /// Whether images of this coding need conversion for the pipeline.
 bool needs_unpacking(dc1394color_coding_t coding);
-/// Converts an image of such a coding; `to` has space for the layout.
+/// Converts an image of a coding that needs unpacking; `to` has space for the layout.
 void unpack(const dc1394video_frame_t& frame, const ImageView& layout, std::uint8_t* to) noexcept;
 
 }  // namespace sslv::iidc

@@ -122,8 +122,8 @@ std::vector<Item> find_items(const std::string& path) {
   return items;
 }
 
-/// If the settings lack pixel format and size, adds them from the frames.json beside raw frames, which gives
-/// them once for all frames or per frame, as written by `clip export` and `simulate --raw`. Throws
+/// If the settings lack pixel format and size, reads them from frames.json beside the raw frames. That file,
+/// written by `clip export` and `simulate --raw`, states them for all frames or for each frame. Throws
 /// CaptureError.
 FileOptions with_told_layout(FileOptions options, const std::vector<Item>& items) {
   const auto raw = std::ranges::find(items, Kind::kRaw, &Item::kind);

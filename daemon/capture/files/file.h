@@ -7,7 +7,7 @@
 
 namespace sslv {
 
-/// The kind of a file by its name's extension.
+/// The kind of a file, from the extension of its name.
 enum class RecordingKind { kImage, kRaw, kVideo, kClip, kOther };
 RecordingKind recording_kind(const std::filesystem::path& file);
 

@@ -36,7 +36,7 @@ T* allocated(T* object) {
   return object;
 }
 
-/// The deprecated "J" formats imply full range, which swscale takes as a separate setting.
+/// The deprecated "J" formats imply full range, which swscale needs as a separate setting.
 AVPixelFormat without_range(AVPixelFormat format) {
   switch (format) {
     case AV_PIX_FMT_YUVJ411P: return AV_PIX_FMT_YUV411P;

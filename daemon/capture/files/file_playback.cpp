@@ -87,7 +87,7 @@ std::optional<std::int64_t> Playback::wait_turn(std::chrono::milliseconds timeou
     if (now >= until) return std::nullopt;
     changed_.wait(mark, may_go_on ? std::min(until, due_) : until);
   }
-  // After a late call, the following images are not shown faster to catch up.
+  // After a late call, do not show the following images faster to catch up.
   if (is_timed()) due_ = std::max(due_ + time_after(taken.next), Clock::now());
   return taken.next;
 }

@@ -28,8 +28,8 @@ class Recording {
   virtual std::int64_t count() const = 0;
   /// 0: unknown.
   virtual double frame_rate_hz() const { return 0; }
-  /// Times from each image to the next, in s: count() values, of which the last is the time until the
-  /// recording begins again. Empty if all times are equal.
+  /// Times from each image to the next, in s: count() values; the last is the time until the recording begins
+  /// again. Empty if all times are equal.
   virtual std::vector<double> distances_s() const { return {}; }
 };
 

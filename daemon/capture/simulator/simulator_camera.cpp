@@ -202,7 +202,7 @@ bool SimulatedCamera::fully_visible(const Eigen::Vector3d& center_mm, double rad
 double SimulatedCamera::visible_share(const Eigen::Vector3d& center_mm, double radius_mm,
                                       const SimulatedScene& scene, const SimulatedRobot* top) const {
   if (fully_visible(center_mm, radius_mm, scene)) return 1;
-  constexpr double kMax = 0.999;  // limit for a thing of which a part is or may be hidden
+  constexpr double kMax = 0.999;  // limit for a thing that is or may be partly hidden
   const auto is_visible = [&](const Eigen::Vector3d& point) {
     const auto pixel = scene_.camera->project(point);
     return pixel && pixel->x() >= -0.5 && pixel->y() >= -0.5 && pixel->x() <= options_.width - 0.5 &&

@@ -42,7 +42,7 @@ float SimulatedCarpet::tone_at(const Eigen::Vector2d& p) {
   return 1 + 0.10F * lattice_noise(p.x(), p.y(), 14, kPile) + 0.12F * lattice_noise(p.x(), p.y(), 350, kDust);
 }
 
-/// Wear, 1 where it is strongest: before the goals, around the centre, and along winding paths.
+/// Wear, 1 where it is strongest: in front of the goals, around the centre, and along winding paths.
 float SimulatedCarpet::wear_at(const Eigen::Vector2d& field_mm, const Eigen::Vector2d& place_mm) const {
   const auto near = [](double distance_mm, double reach_mm) {
     const double t = distance_mm / reach_mm;

@@ -45,7 +45,7 @@ class SimulatedCarpet {
   Strips strips_;
   float tint_, weave_, wear_, shine_;
   Eigen::Vector2d offset_mm_;  // offset into the noise
-  Eigen::Vector2d goal_mm_;    // the most worn place before a goal; mirrored for the other goal
+  Eigen::Vector2d goal_mm_;    // the most worn place in front of a goal; mirrored for the other goal
   Eigen::Vector3d lamp_mm_;    // the lamp that the sheen reflects
 };
 

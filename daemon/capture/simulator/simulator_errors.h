@@ -8,7 +8,7 @@
 
 namespace sslv {
 
-/// Errors of a simulated camera, as real cameras have them. Default: none.
+/// Errors of a simulated camera, like those of real cameras. Default: none.
 struct SimulatorErrors {
   double moved_x_mm = 0, moved_y_mm = 0;
   double turned_deg = 0;

@@ -10,7 +10,7 @@
 
 namespace sslv {
 
-/// Determines the values of all hall options that are null.
+/// Selects the values of all hall options that are null.
 enum class HallKind : std::uint8_t {
   kPlain,  // an even carpet under steady light, nothing around
   kUsual,  // like most halls

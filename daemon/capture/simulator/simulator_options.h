@@ -24,8 +24,8 @@ inline constexpr std::array<Choice<SimulatorPlacement>, 2> kSimulatorPlacementCh
 
 /// The simulator's options in a camera's "source".
 struct SimulatorOptions {
-  /// Limits for the pixels of one image, and for the sum over one image of every simulated camera. They bound
-  /// the memory: each camera keeps about a dozen images.
+  /// Limits for the pixels of one image, and for the total pixels of one image from each simulated camera.
+  /// They bound the memory: each camera keeps about a dozen images.
   static constexpr std::int64_t kMaxPixels = 25'000'000, kMaxPixelsOfAll = 100'000'000;
   static constexpr std::size_t kMaxSwingPoints = 1000;
   int width = 780, height = 580;

@@ -12,7 +12,7 @@ namespace sslv {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
-constexpr double kFromLinesMm = 30;  // robots keep inside the field's lines
+constexpr double kFromLinesMm = 30;  // robots stay inside the field's lines
 
 /// The minimum angle between neighbours on a ring so that `count` things, at least `radius_mm` from the
 /// centre, are at least `apart_mm` apart; nothing if the things do not fit.

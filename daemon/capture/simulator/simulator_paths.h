@@ -9,9 +9,9 @@
 
 namespace sslv {
 
-/// Robots and balls in endless smooth motion, at constant indices in the lists; distractors lie still.
-/// Everything moves in a disc: robots drive round on rings, and balls move in the lanes between the rings, so
-/// that nothing ever touches. The disc is then stretched to the field, which only increases distances.
+/// Robots and balls in endless smooth motion, at constant indices in the lists; distractors lie still. Robots
+/// circle on rings in a disc, and balls circle in the lanes between the rings, so that they never touch. The
+/// disc is then stretched to the field, which only increases distances.
 class SimulatorPaths {
  public:
   /// Throws SettingsError if there is not enough space for all robots and balls.

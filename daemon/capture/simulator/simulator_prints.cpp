@@ -8,7 +8,7 @@
 namespace sslv {
 namespace {
 
-/// Variants of a label's colour by other printers and papers.
+/// Variants of a label's colour from other printers and papers.
 struct Makers {
   Label label;
   std::array<Paint, 4> paints;

@@ -103,8 +103,9 @@ struct SimulatorRenderer::Footprint {
     const Vec2 d = q - p;
     const auto round = [&](float t) { return (p + t * d).norm() - radius; };
     const auto flat = [&](float t) { return p.x() + t * d.x() - front; };
-    // The line's distance from the outline is the minimum over t of the larger of the two edge distances. It
-    // lies at the minimum of one of them, or between these two minima, where both distances are equal.
+    // The line's distance from the outline is the minimum over t of the larger of the two edge distances.
+    // That value is reached at the minimum of one of them, or between these two minima, where both distances
+    // are equal.
     const float roundest = std::clamp(-p.dot(d) / std::max(d.squaredNorm(), 1e-6F), 0.0F, 1.0F);
     const Vec2 nearest = p + roundest * d;
     const float r2 = nearest.squaredNorm();
@@ -512,8 +513,8 @@ void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std:
   paint(box, robot.height_mm, {shapes.data(), shapes.size()}, coat_of, may_show, picture, motion);
 }
 
-/// The soft shadow of ceiling lamps on the floor around a thing: strongest below it, shifted slightly away
-/// from the two nearest lamps.
+/// The soft shadow of a thing on the floor under ceiling lamps: strongest below the thing, and shifted
+/// slightly away from the two nearest lamps.
 template <class List>
 void SimulatorRenderer::draw_soft_shadow(std::span<const SimulatedScene> moments, List SimulatedScene::*list,
                                          std::size_t index, const SimulatorMotion* motion, double radius_mm,
@@ -556,7 +557,7 @@ void SimulatorRenderer::draw_soft_shadow(std::span<const SimulatedScene> moments
         motion != nullptr ? &straight : nullptr);
 }
 
-/// The ball's shadow on the carpet: a darker disc away from the lamp.
+/// The ball's shadow on the carpet: a darker disc on the side away from the lamp.
 void SimulatorRenderer::draw_shadow(std::span<const SimulatedScene> moments, std::size_t index,
                                     const SimulatorMotion* motion, float gloss, LightPicture& picture,
                                     Boxes& boxes) const {

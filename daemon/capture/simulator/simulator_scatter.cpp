@@ -19,8 +19,8 @@ double reach_mm(const SimulatedDistractor& d) {
   return std::hypot(d.length_mm, d.width_mm) / 2;
 }
 
-/// Places one thing after the other at a random free position. Each gap is checked when the later of the two
-/// things is placed, so things that are hard to place come first.
+/// Places things one by one at random free positions. Each gap is checked when the later of the two things is
+/// placed, so things that are hard to place must be placed first.
 class Filler {
  public:
   Filler(const SimulatorOptions& options, const FieldSize& field,

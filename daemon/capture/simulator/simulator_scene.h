@@ -35,8 +35,8 @@ struct SimulatedRobot {
 struct SimulatedBall {
   double x_mm, y_mm;
 };
-/// A flat thing on the carpet. An orange or red one never has both length and width of a ball, so a detector
-/// that reports it as a ball is wrong.
+/// A flat thing on the carpet. An orange or red distractor never has both the length and the width of a ball,
+/// so a detector that reports it as a ball is wrong.
 struct SimulatedDistractor {
   enum class Shape : std::uint8_t { kEllipse, kRectangle, kTriangle };  // include discs and stripes
   Shape shape;

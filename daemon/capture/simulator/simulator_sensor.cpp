@@ -199,7 +199,7 @@ void SimulatorSensor::write_row(const float* rgb, const DrawnBox& box, int y, st
   }
 }
 
-/// Calls `use` with each row of the box after the lens.
+/// Calls `use` with each row of the box after the lens blur.
 template <class Use>
 void SimulatorSensor::blur(const LightPicture& light, const DrawnBox& box, const Use& use) {
   const int radius = static_cast<int>(kernel_.size()) - 1;
@@ -372,7 +372,7 @@ void SimulatorSensor::place_hot_pixels(std::uint64_t stream) {
   for (long long i = 0; i < count; ++i) {
     const auto x = static_cast<std::size_t>(random.bits() % static_cast<std::uint64_t>(options_.width));
     const auto y = static_cast<std::size_t>(random.bits() % static_cast<std::uint64_t>(options_.height));
-    // Few hot pixels are much too bright.
+    // Only a few hot pixels are much too bright.
     const double excess = 40 * std::exp(random.uniform(0, 1.6));
     const auto color = static_cast<std::size_t>(random.bits() % 3);
     const std::size_t pixel = y * static_cast<std::size_t>(options_.width) + x;

@@ -34,7 +34,7 @@ class SimulatorSensor {
   /// Writes the bytes of `box`, which must be in whole units of the pixel format, without noise.
   void develop(const LightPicture& light, const DrawnBox& box, std::uint8_t* picture);
 
-  /// The light of a whole image after the lens, for develop_blurred(): red, green, blue per pixel.
+  /// The light of a whole image after the lens blur, for develop_blurred(): red, green, blue per pixel.
   std::vector<float> blurred(const LightPicture& light);
   /// Like develop() of the whole image, but faster.
   void develop_blurred(const std::vector<float>& blurred, std::uint8_t* picture);
@@ -68,7 +68,7 @@ class SimulatorSensor {
   std::vector<float> row_gains_;
   std::vector<float> kernel_;  // half of the blur kernel, from its centre; the whole kernel sums to 1
   std::vector<float> rows_, line_;
-  std::vector<std::int8_t> noise_;        // each row starts at a random offset in it
+  std::vector<std::int8_t> noise_;        // each row starts at a random offset
   std::vector<std::int16_t> deep_noise_;  // replaces noise_ above 8 bits; in 1/256 of a level
   std::size_t noise_unit_;                // offsets into noise_ are multiples of this
   SimulatorRandom random_;

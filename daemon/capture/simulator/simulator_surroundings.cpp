@@ -94,7 +94,7 @@ class SimulatedSurroundings::Furnisher {
 
   void stack(bool is_round, const Eigen::Vector2d& at, double turn_rad, double half_length_mm,
              double half_width_mm, double from_mm, double to_mm, const Paint& paint, double step_mm = 25) {
-    // Sides get less light than the top, and least light at the bottom.
+    // Sides get less light than the top, and the bottom gets the least.
     const int steps = std::max(1, static_cast<int>(std::lround((to_mm - from_mm) / step_mm)));
     for (int i = 0; i <= steps; ++i) {
       const double up = static_cast<double>(i) / steps;
@@ -163,7 +163,7 @@ class SimulatedSurroundings::Furnisher {
     }
   }
 
-  /// A cable that winds along the carpet's rim, and lies on at most the outer half of the margin.
+  /// A cable that winds along the carpet's rim, and covers at most the outer half of the margin.
   void put_cable(const Spot& spot, double off_mm) {
     constexpr std::array<Paint, 5> kSheaths{
         {kBlack, kOrange, {220, 190, 40}, {30, 70, 170}, {150, 150, 150}}};

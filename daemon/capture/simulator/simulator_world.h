@@ -11,8 +11,8 @@
 
 namespace sslv {
 
-/// The positions of all things as a function of only the options and the time, so that all cameras with the
-/// same options agree and a test knows the ground truth. Distractors lie below everything else.
+/// The positions of all things, which depend only on the options and the time, so that all cameras with the
+/// same options agree and tests know the ground truth. Distractors lie below everything else.
 class SimulatedWorld {
  public:
   /// Balls are hidden from `camera`, so worlds with hidden_balls differ between cameras. Throws SettingsError

@@ -53,8 +53,8 @@ struct V4l2Options {
   }
 };
 
-/// uvcvideo claims to stamp the start of the exposure, but takes the time when the first bytes arrive, unless
-/// it is configured to trust the cameras' clocks (drivers/media/usb/uvc/uvc_video.c).
+/// uvcvideo claims to stamp the start of the exposure, but stamps the arrival of the first bytes, unless it
+/// is configured to trust the cameras' clocks (drivers/media/usb/uvc/uvc_video.c).
 bool stamps_first_bytes(const std::string& driver) {
   std::ifstream file("/sys/module/uvcvideo/parameters/hwtimestamps");
   char trusts_cameras = '0';
@@ -216,8 +216,8 @@ class V4l2Source final : public Source {
     last_sequence_ = sequence;
   }
 
-  /// Subscribes to the driver's reports of exposure changes, by any program. Querying a USB camera would take
-  /// a millisecond.
+  /// Subscribes to the driver's reports of exposure changes made by any program. Querying a USB camera would
+  /// take a millisecond.
   void watch_exposure() {
     v4l2_event_subscription subscription{};
     subscription.type = V4L2_EVENT_CTRL;

@@ -38,7 +38,7 @@ std::vector<fs::path> entries_of(const fs::path& folder) {
 std::string usb_serial_of(const V4l2System& system, const std::string& name) {
   std::error_code error;
   fs::path folder = fs::canonical(fs::path(system.class_folder) / name / "device", error);
-  // Usually a video device belongs to an interface of the USB device, so look at two levels. The levels above
+  // Usually a video device belongs to an interface of the USB device, so check two levels. The levels above
   // are hubs, which have their own serial numbers.
   for (int i = 0; i < 2 && !error; ++i, folder = folder.parent_path()) {
     if (!fs::exists(folder / "idVendor", error)) continue;

@@ -3,7 +3,7 @@
 
 // The memory shared by the service and a stage's process: one block in each direction, written by one side
 // and only read by the other. One request at a time: the service writes it, increments `request` and waits
-// until `answer` equals it.
+// until `answer` equals `request`.
 
 #include "image/image.h"
 #include "pipeline/stage_notes.h"

@@ -21,7 +21,7 @@ namespace sslv::sandbox {
 template <class Floor>
 inline constexpr std::string_view kFloorName = std::is_same_v<Floor, CameraFloor> ? "camera" : "field";
 
-/// The parts that a stage reads, writes and updates, and the arguments that it takes, from its row.
+/// The parts that a stage reads, writes and updates, and the arguments that it takes, as its row lists them.
 struct StageNeeds {
   PartSet reads, writes, updates;
   GivenSet takes;
@@ -30,7 +30,7 @@ struct StageNeeds {
   PartSet answered() const { return writes | updates; }
 };
 
-/// The needs of a stage without the libraries' own parts.
+/// The needs of a stage, except the libraries' own parts.
 template <class Floor>
 StageNeeds needs_of(const BasicStageType<Floor>& type) {
   const PartSet of_frame((1ULL << kPartCount<Floor>)-1);
@@ -56,7 +56,7 @@ bool takes(const StageNeeds& needs) {
   return needs.takes[given_index<Floor, Arg>()];
 }
 
-/// Why a stage with these needs cannot run in its own process; otherwise empty.
+/// Why a stage with these needs cannot run in its own process; empty if it can.
 template <class Floor>
 std::string why_not_apart(const StageNeeds& needs) {
   std::string why;

@@ -27,8 +27,8 @@ namespace {
 
 using namespace sandbox;
 
-/// Caches the complete parameters of one library's stages, so that not every change of settings starts a
-/// process to validate all parameters.
+/// Caches the complete parameters of one library's stages, so that unchanged parameters need no new process
+/// to validate them.
 class KnownParams {
  public:
   /// The complete parameters for a stage's parameters `json`, if cached.

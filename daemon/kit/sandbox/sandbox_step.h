@@ -118,7 +118,7 @@ class SandboxStep final : public Step<Floor> {
   std::uint32_t request_ = 0;     // the newest request's number
   bool is_busy_ = false;          // the process still works on request_
   std::array<std::uint64_t, kConstants> sent_ids_{};
-  std::unique_ptr<std::byte[]> compared_;  // buffer to encode a constant into, to see whether it has changed
+  std::unique_ptr<std::byte[]> compared_;  // a constant's encoding, to compare with the one sent before
   struct SentFile {
     std::uint64_t id = 0;
     std::uint32_t used = 0;  // number of the newest request with an image from this file

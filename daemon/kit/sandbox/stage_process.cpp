@@ -47,13 +47,13 @@ StageRows load_checked(const std::string& library) {
   return load_rows(library);
 }
 
-/// Makes this process end with the service, drops the right to gain privileges, and makes it the first to be
-/// killed when memory is short. False if the service has already ended.
+/// Makes this process end with the service, drops the right to gain privileges, and makes this process the
+/// first that the kernel kills when memory is short. False if the service has already ended.
 bool settle_in(pid_t service) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != service) return false;  // the service ended before prctl()
-  // Unblock all signals: at the start of main(), which this process also runs, the service blocks the signals
-  // for which it waits.
+  // Unblock all signals: this process runs the same program as the service, which blocks its signals before
+  // main() starts.
   sigset_t none;
   sigemptyset(&none);
   ::pthread_sigmask(SIG_SETMASK, &none, nullptr);

@@ -26,7 +26,7 @@ namespace {
 }
 
 /// A copy of a file descriptor, numbered above all descriptors of the stage's process, so that dup2
-/// overwrites no descriptor before it is copied.
+/// overwrites no descriptor that is still to be copied.
 OpenFile copy_above(int file) {
   constexpr int kAbove = 32;
   OpenFile copy(::fcntl(file, F_DUPFD_CLOEXEC, kAbove));

@@ -186,8 +186,8 @@ struct Supervisor::Impl {
     settled.notify_all();
   }
 
-  /// The poll timeout. It is limited, because hung processes are only found by polling, and ends with the
-  /// next pause.
+  /// The poll timeout: ends when the next pause ends, and is at most kMost ms, because only polling detects
+  /// hung processes.
   int next_look_ms() const {
     constexpr std::int64_t kMost = 50, kNsPerMs = 1'000'000;
     std::int64_t wait_ms = kMost;

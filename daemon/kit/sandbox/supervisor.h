@@ -74,9 +74,9 @@ class Supervisor {
   Supervisor& operator=(const Supervisor&) = delete;
 
   /// Starts the stage and waits until it is ready, has ended or takes too long; in the last two cases the
-  /// stage is restarted later. Does not wait for a library with a stage that was too slow, until one of its
-  /// stages has been ready. `contract` is contract_of() the stage's row. May block. Throws std::runtime_error
-  /// with the message of the stage's constructor, and std::system_error.
+  /// stage is restarted later. After one stage of a library was too slow, does not wait for that library
+  /// until one of its stages has been ready. `contract` is contract_of() the stage's row. May block. Throws
+  /// std::runtime_error with the message of the stage's constructor, and std::system_error.
   std::shared_ptr<StageProcess> start(const std::string& stage, const std::string& library,
                                       const std::string& floor, const std::string& contract);
 

@@ -30,7 +30,7 @@ template <class T>
 constexpr std::size_t max_bytes(std::type_identity<T>) {
   return with_lists(0);
 }
-/// Limited only by the space for all parts, because is_valid() checks all pixels at once.
+/// Limited only by the space for all parts, because is_valid() checks all pixels in one pass.
 constexpr std::size_t max_bytes(std::type_identity<LabelImage>) {
   return with_lists(std::size_t{1} << 30);
 }

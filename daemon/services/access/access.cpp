@@ -43,8 +43,8 @@ bool is_own_computer(const std::string& address) {
   return IN6_IS_ADDR_LOOPBACK(&v6) || (IN6_IS_ADDR_V4MAPPED(&v6) && v6.s6_addr[12] == kLoopback);
 }
 
-/// Subnet of a result of network_of(): the first three numbers of an IPv4 address. One computer can have many
-/// addresses in a subnet.
+/// Subnet of a network from network_of(): the first three numbers of an IPv4 address. One computer can have
+/// many addresses in a subnet.
 std::string subnet_of(const std::string& network) {
   return network.substr(0, network.rfind('.'));
 }
@@ -131,7 +131,7 @@ Role Access::check(const std::string& password, const std::string& address) {
   {
     const std::lock_guard lock(mutex_);
     const Circle circle = circle_of(address);
-    // An admin's IPv6 network may have other people in it, who must not use up the admin's tries.
+    // Other people in an admin's IPv6 network must not use up the admin's tries.
     key = circle == Circle::kAdmins ? "admin " + address : network_of(address);
     take_try(circle, key);
   }
@@ -144,7 +144,7 @@ Role Access::check(const std::string& password, const std::string& address) {
   if (*role == Role::kAdmin) {
     tries_.erase(key);
   } else if (const auto own = tries_.find(key); own != tries_.end()) {
-    own->second.left += 1;  // gives back only this try: a viewer may be guessing the admin's password
+    own->second.left += 1;  // restores only this try: a viewer may be guessing the admin's password
   }
   remember(*role, address);
   return *role;

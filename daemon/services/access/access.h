@@ -24,18 +24,17 @@ struct TooManyTries : HttpError {
 };
 
 /// Access control. Without an admin password, everybody may change everything; the daemon then serves only
-/// its own computer. With an admin password, everybody may look; if there is also a viewers' password, only
-/// people who know it may look. Signing in gives a cookie with 256 random bits; sessions end with the
+/// its own computer. With an admin password, everybody may view; if there is also a viewers' password, only
+/// people who know it may view. Signing in sets a cookie with 256 random bits; sessions end with the
 /// service. Thread-safe.
 class Access {
  public:
   using Clock = std::function<double()>;  // steady, s
   static constexpr double kIdle_s = 24 * 3600.0, kLongest_s = 7 * 24 * 3600.0;
-  /// Limit for each role. At the limit, a new session ends an earlier session of the same role: preferably a
-  /// session that was not used for kPresent_s, as an open panel uses its session more often. Among the
-  /// candidates, it ends a session from the subnet with most sessions, there from the address with most
-  /// sessions, and of that address the session unused for longest. So a person who opens many sessions ends
-  /// only their own.
+  /// Limit for each role. At the limit, a new session ends an earlier one of the same role, preferably one
+  /// unused for kPresent_s (an open panel uses its session more often). Of the candidates, the subnet with
+  /// the most sessions loses one: its address with the most sessions loses the session unused for longest.
+  /// A person who opens many sessions thus ends only their own.
   static constexpr std::size_t kMaxSessions = 256;
   static constexpr double kPresent_s = 60;
 
@@ -48,7 +47,7 @@ class Access {
   /// {"may": ..., "signed_in": ..., "passwords": [...]} of docs/openapi.json.
   Json state(std::string_view cookies);
 
-  /// Returns the Set-Cookie header. Takes some ten milliseconds. Throws HttpError 401 for a wrong password,
+  /// Returns the Set-Cookie header. Takes tens of milliseconds. Throws HttpError 401 for a wrong password,
   /// TooManyTries, and HttpError 409 if no password is set.
   std::string sign_in(const std::string& password, const std::string& address);
   /// Returns the Set-Cookie header that removes the cookie.
@@ -60,8 +59,8 @@ class Access {
   std::string set_password(Role role, const std::optional<std::string>& password,
                            const std::string& admin_password, const std::string& address);
 
-  /// Whether this address may use reserved connections: it is this computer's own, or the current admin
-  /// password was given from it within kLongest_s. Fast.
+  /// Whether this address may use reserved connections: it belongs to this computer, or the current admin
+  /// password was entered there within kLongest_s. Fast: no password is hashed.
   bool is_trusted(const std::string& address);
 
  private:
@@ -74,7 +73,7 @@ class Access {
   /// An address from which somebody signed in.
   struct Known {
     Role role;
-    std::string hash;  // hash of the password that was given
+    std::string hash;  // hash of the password that was entered
     double at_s;
   };
   /// Group of addresses that share a limit of password tries. Each circle has its own limit, so that no

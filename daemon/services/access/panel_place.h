@@ -16,7 +16,7 @@
 
 namespace sslv {
 
-/// Returns the address to listen on; replaces "" by an actual address. Throws SettingsError if other
+/// Returns the address to listen on; replaces "" with an actual address. Throws SettingsError if other
 /// computers can reach the address while no password is set.
 std::string listening_address(const PanelSettings& panel, bool has_password);
 
@@ -24,8 +24,8 @@ std::string listening_address(const PanelSettings& panel, bool has_password);
 /// this computer until a password is set, and then from the network.
 class PanelPlace final : public Service {
  public:
-  /// The server listens only from listen() on. `reach` receives the addresses at which browsers find the
-  /// panel, at most a second late. All must outlive this.
+  /// The server does not listen before listen(). `reach` receives the addresses at which browsers find the
+  /// panel, within a second. All must outlive this.
   PanelPlace(const Snapshot<Config>& config, const Passwords& passwords, Snapshot<PanelReach>& reach)
       : config_(config), passwords_(passwords), reach_(reach) {}
 

@@ -13,7 +13,7 @@ namespace sslv {
 /// Addresses at which browsers find the panel.
 struct PanelReach {
   std::uint16_t port = 0;
-  std::vector<std::string> addresses{};  // http://..., for other computers; empty: only this one
+  std::vector<std::string> addresses{};  // http://..., for other computers; empty: only this computer
 
   bool operator==(const PanelReach&) const = default;
 };

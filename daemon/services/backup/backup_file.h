@@ -2,8 +2,8 @@
 #pragma once
 
 // A backup is a .tar.gz with a manifest, the files of its parts, and SHA256SUMS, which has the checksums of
-// all other files for `sha256sum --check`. The checksums find damage but do not prove who made a backup: its
-// content is validated like input from the network.
+// all other files for `sha256sum --check`. The checksums detect damage but do not prove who made a backup:
+// its content is validated like input from the network.
 
 #include "base/json.h"
 #include "services/backup_part.h"

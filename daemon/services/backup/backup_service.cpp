@@ -49,7 +49,7 @@ struct BackupService::Read {
   std::vector<std::unique_ptr<SavedWith>> parts;
 };
 
-/// All parts of a backup that is being restored. First saves a backup of the data that they replace.
+/// All parts of a backup that is being restored. Backs up the data that they replace first.
 class BackupService::Restored final : public SavedWith {
  public:
   Restored(StateFolder& folder, std::string before, std::vector<std::unique_ptr<SavedWith>> parts)

@@ -17,7 +17,7 @@ inline constexpr const char* kSettingsName = "settings.json";
 std::pair<KeptSettings, std::shared_ptr<const Config>> kept_settings(const SettingsEditor& settings);
 
 std::string to_text(const KeptSettings& settings);
-/// Throws SettingsError, beginning with the file's name.
+/// Throws SettingsError with a message that begins with the file's name.
 KeptSettings read_kept_settings(const std::string& text);
 
 /// Throws StorageError if `files` lack a table that the settings name: without it, the settings could not be

@@ -63,7 +63,7 @@ class CalibrationHistory {
   static constexpr const char* kFileName = "calibrations.json";
   /// The content of the file; nullopt if there is neither a file nor a record.
   std::optional<std::string> to_text() const;
-  /// Throws SettingsError, beginning with the file's name.
+  /// Throws SettingsError with a message that begins with the file's name.
   static ByCamera from_text(const std::string& text);
   /// Replaces the whole history, on disk first; nullopt removes the file. Throws StorageError, with nothing
   /// changed.

@@ -11,7 +11,7 @@
 namespace sslv {
 namespace {
 
-/// Throws SettingsError for points outside the image, because no calibration can be found with such points.
+/// Throws SettingsError for points outside the image: no calibration can fit them.
 void check_points(const CalibrationRequest& request, const MeanPicture& picture) {
   for (std::size_t i = 0; i < request.points.size(); ++i) {
     const CalibrationPoint& point = request.points[i];
@@ -27,10 +27,10 @@ void check_points(const CalibrationRequest& request, const MeanPicture& picture)
   }
 }
 
-/// Returns the mean of `wanted` fresh frames; when stopped, of fewer frames. Throws CaptureError.
+/// Returns the mean of `wanted` fresh frames, or of fewer when stopped. Throws CaptureError.
 MeanPicture collect(FreshFrames frames, int wanted, const JobProgress& progress,
                     const std::stop_token& stop) {
-  constexpr std::chrono::milliseconds kLook{100};  // longest delay of a cancellation
+  constexpr std::chrono::milliseconds kLook{100};  // maximum delay of a cancellation
   MeanPicture mean;
   while (mean.frames() < wanted && !stop.stop_requested()) {
     const auto frame = frames.next(kLook);

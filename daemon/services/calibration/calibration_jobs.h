@@ -25,7 +25,7 @@ using CalibrationJobs = BackgroundJobs<CalibrationOrder, CalibrationReport>;
 
 CalibrationJobs make_calibration_jobs(WaitFrame wait_frame, std::chrono::milliseconds silence = kSilence);
 
-/// Fails the jobs of cameras whose view has changed or that are gone.
+/// Fails the jobs of cameras that were removed or whose view has changed.
 void invalidate(CalibrationJobs& jobs, const std::set<int>& camera_ids);
 
 }  // namespace sslv

@@ -54,7 +54,7 @@ class CalibrationRecords::SavedHistory final : public SavedWith {
   CalibrationHistory::ByCamera old_records_;
 };
 
-/// Replaces the whole history by the history in a backup. Holds the mutex.
+/// Replaces the whole history with the history in a backup. Holds the mutex.
 class CalibrationRecords::RestoredHistory final : public SavedWith {
  public:
   RestoredHistory(std::unique_lock<std::mutex> lock, CalibrationHistory& history,
@@ -165,7 +165,7 @@ std::set<int> CalibrationRecords::find_stale() const {
     const int id = camera.at("id").get<int>();
     CalibrationHistory::Records records = history_.of(id);
     const CalibrationRecord* newest = newest_in_force(records);
-    // If the calibration was set by other means, it is unknown on which field it was made.
+    // The field of a calibration that was set by other means is unknown.
     if (newest == nullptr || camera.at("calibration") != params_to_json(newest->calibration)) continue;
     if (field_changed_since(newest->time_s, settings, steps)) stale.insert(id);
   }

@@ -30,17 +30,17 @@ class CalibrationRecords final : public BackupPart {
   /// Newest first, as specified in docs/openapi.json.
   Json history_json(int camera_id) const;
 
-  /// Accepts all or none. `current`: the settings that the decision was based on. Throws HttpError 409 if the
-  /// settings have changed since, 404 for an unknown camera, and the exceptions of SettingsEditor::patch().
+  /// Accepts all or none. `current`: the settings on which the decision was based. Throws HttpError 409 if
+  /// they have changed since, 404 for an unknown camera, and the exceptions of SettingsEditor::patch().
   void accept(const std::vector<NewCalibration>& calibrations, const SettingsStore::Version& current,
               const std::string& who);
 
   /// Reverts the newest record that was not reverted yet: restores the calibration that it replaced. Throws
-  /// HttpError 409 if there is no such record or, unless forced, if the calibration was changed by other
+  /// HttpError 409 if there is none or, unless `force` is set, if the calibration has been changed by other
   /// means since; also throws like accept().
   void revert(int camera_id, bool force, const std::string& who);
 
-  /// Ids of the cameras that were calibrated on another painted field than the settings now describe.
+  /// Ids of the cameras that were calibrated on a painted field that differs from the current settings.
   std::set<int> find_stale() const;
 
   // BackupPart

@@ -23,13 +23,13 @@ auto naming(int camera_id, Act act) {
   }
 }
 
-/// Collects from fresh frames the mean images and the tie points (robots that two cameras saw at the same
-/// moment); incomplete when stopped. Throws CaptureError.
+/// Collects mean images and tie points (robots that two cameras saw at the same moment) from fresh frames;
+/// incomplete when stopped. Throws CaptureError.
 JointTask collect(const WaitFrame& wait_frame, std::chrono::milliseconds silence,
                   const JointCalibrationOrder& order, const JobProgress& progress,
                   const std::stop_token& stop) {
   using Clock = std::chrono::steady_clock;
-  constexpr std::chrono::milliseconds kLook{5};  // below a frame interval: misses no other camera's frame
+  constexpr std::chrono::milliseconds kLook{5};  // below a frame interval: no camera's frame is missed
   JointTask task;
   task.field = order.field;
   std::vector<FreshFrames> fresh;

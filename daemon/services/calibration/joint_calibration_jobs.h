@@ -27,13 +27,13 @@ struct JointCalibrationOrder {
 
 /// Calibrates several cameras together while they keep running.
 using JointCalibrationJobs = BackgroundJobs<JointCalibrationOrder, JointReport>;
-/// The key of every job: only one job at a time runs, whichever cameras it has.
+/// The key of every job: only one job runs at a time, regardless of its cameras.
 inline constexpr int kJointKey = 0;
 
 JointCalibrationJobs make_joint_calibration_jobs(WaitFrame wait_frame,
                                                  std::chrono::milliseconds silence = kSilence);
 
-/// Fails the job if the view of one of its cameras has changed or the camera is gone.
+/// Fails the job if one of its cameras was removed or its view has changed.
 void invalidate(JointCalibrationJobs& jobs, const std::set<int>& camera_ids);
 
 }  // namespace sslv

@@ -10,8 +10,8 @@ namespace {
 /// Assumed standard deviation between the cameras' clocks. It makes tie points of moving robots less
 /// accurate.
 constexpr double kClockSigmaS = 1e-3;
-/// Longest time between two images to interpolate over: in this time, an acceleration of 3 m/s2 moves a robot
-/// 1 mm off the interpolated straight line.
+/// Longest interval between two images to interpolate over: within it, an acceleration of 3 m/s2 moves a
+/// robot 1 mm off the interpolated straight line.
 constexpr double kMaxGapS = 0.05;
 /// Larger than any calibration error: detections farther apart are two robots with the same id.
 constexpr double kOtherRobotMm = 300;
@@ -62,7 +62,7 @@ void TieCollector::tie(std::size_t camera, const Seen& seen, std::size_t other_c
 
 std::vector<OverlapTie> TieCollector::ties() const {
   std::vector<OverlapTie> out;
-  // The map sorts cells by position, so every n-th tie point covers the same area as all tie points.
+  // The map sorts cells by position, so taking every n-th tie point keeps the covered area.
   const std::size_t step = (ties_.size() + kMaxTies - 1) / kMaxTies;
   std::size_t i = 0;
   for (const auto& [cell, tie] : ties_) {

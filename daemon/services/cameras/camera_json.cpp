@@ -37,7 +37,7 @@ std::uint64_t read(const std::atomic<std::uint64_t>& counter) {
   return counter.load(std::memory_order_relaxed);
 }
 
-/// Whether a stage was ever in the camera's stack; a stage that never was gets no metrics.
+/// Whether the stage was ever in the camera's stack; other stages get no metrics.
 bool has_run(const DurationTotals::Reading& durations) {
   return durations.counts != decltype(durations.counts){};
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A camera as in docs/openapi.json, and for Prometheus.
+// JSON of a camera as in docs/openapi.json, and metrics for Prometheus.
 
 #include "base/json.h"
 #include "health/exposure.h"

@@ -22,7 +22,7 @@ constexpr double kLostShare = 0.001;
 constexpr double kLostBadShare = 0.05;
 constexpr std::uint64_t kFewPictures = 3;
 // The painted lines cover under 1 % of a field's image, and they may clip: white has no colour to lose. A
-// clipped share of more than twice that comes from glare or too much light, and clipped colours get confused.
+// share above twice that comes from glare or too much light, and clipped colours are confused with others.
 constexpr double kClippedShare = 0.02;
 // Mean luma, 0 to 255. Below this, the camera's noise is as large as the differences between dark colours.
 constexpr double kDarkLuma = 25;
@@ -198,7 +198,7 @@ void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
   }
   if (minute.capped > 0) {
     const std::string what = camera.flood.empty() ? "too much to process" : camera.flood;
-    // Without a flood, only the last part of the search is left out: robots whose centre dot was not seen in
+    // Without a flood, only the last part of the search is skipped: robots whose centre dot was not seen in
     // the previous images. Other checks report missing robots.
     const bool is_minor = camera.flood.empty() && 2 * minute.capped < minute.all();
     say("frames_capped", is_minor ? Severity::kInfo : Severity::kWarn,
@@ -229,8 +229,8 @@ void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
   }
 }
 
-/// Beside real cameras, a simulated or recorded camera makes the field look covered where no real camera sees
-/// it.
+/// A simulated or recorded camera among real cameras makes parts of the field appear covered that no real
+/// camera sees.
 void add_origin_alerts(std::vector<Alert>& alerts, std::span<const CameraFacts> cameras) {
   if (std::ranges::count(cameras, ImageOrigin::kCamera, &CameraFacts::origin) == 0) return;
   for (const CameraFacts& camera : cameras) {
@@ -381,8 +381,8 @@ std::string camera_summary(std::span<const CameraFacts> cameras) {
 std::optional<Hang> find_hang(const CameraProgress& camera, std::int64_t now_ns) {
   const CameraHealth& health = camera.health;
   if (health.state != CameraState::kRunning) {
-    // The hanging thread may be the camera's previous thread: the thread that is to reopen the camera waits
-    // until the previous thread ends.
+    // The hanging thread may be the camera's previous thread: the thread that will reopen the camera waits
+    // for it to end.
     const bool hangs = camera.stage && now_ns - camera.stage->since_ns >= kHangs_ns;
     return hangs ? camera.stage : std::nullopt;
   }

@@ -70,7 +70,7 @@ struct CameraProgress {
 /// does not hang. `now_ns`: steady clock.
 std::optional<Hang> find_hang(const CameraProgress& camera, std::int64_t now_ns);
 
-/// The reason for not feeding the watchdog: cameras whose threads hang, and in which stages. Empty if no
+/// The reason for not feeding the watchdog: the cameras whose threads hang, with the stages. Empty if no
 /// thread hangs.
 std::string find_hanging(const std::vector<CameraProgress>& cameras, std::int64_t now_ns);
 

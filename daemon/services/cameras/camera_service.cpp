@@ -71,8 +71,8 @@ std::vector<CameraFacts> CameraService::facts_of(const List& cameras) const {
     const CameraProgress progress = camera->progress();
     const auto last_minute = watch_.timeline().sum(id, 60);
     const auto counters = camera->pipeline().counters();
-    // Sums only whole seconds since the last reopening: before it, this may have been another camera with
-    // another requested rate.
+    // Sums only whole seconds since the last reopening: before that, another camera with another requested
+    // rate may have used this id.
     const auto newest = [&](std::size_t seconds) {
       const auto whole_s = static_cast<std::size_t>(steady_s() - camera->reopened_s());
       return watch_.timeline().sum(id, std::min(seconds, std::max<std::size_t>(whole_s, 1) - 1));

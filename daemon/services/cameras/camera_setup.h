@@ -23,14 +23,14 @@ struct NewSetup {
   CameraSetup setup;          // without a pipeline if the stages still have to be made
   bool keeps_colors = false;  // when applied, keep the previous setup's colour tables
 
-  /// Creates the stages and starts what they need, unless the previous stages are kept.
+  /// Creates the stages and their parameters, unless the previous stages are kept.
   void make_stages(const CameraSettings& camera);
 };
 
 /// Plans the setup of the camera at index `i` of the list; `previous`: its current setup, if it is running.
 /// Returns nothing if the processing of its frames does not change. Keeps the previous pipeline, with its
 /// stages' state, if the stack is unchanged, and the colour tables if the colours are unchanged. Reads the
-/// files that the settings name, but has no effect. Throws SettingsError.
+/// files that the settings name, but changes nothing. Throws SettingsError.
 std::optional<NewSetup> plan_setup(const Config& config, std::size_t i,
                                    const std::optional<CameraInUse>& previous, const LoadTable& load_table);
 

@@ -62,8 +62,8 @@ Timeline::Reading CameraWatch::read(const RunningCamera& camera, Seen& seen) {
                         .dropped = health.dropped,
                         .incomplete = health.incomplete,
                         .capped = counters.capped};
-  // Read the counts before the samples: an image that finishes in between counts for the next second too, but
-  // none is missed.
+  // Read the counts before the samples: an image that finishes in between is counted again in the next
+  // second, but none is missed.
   const std::uint64_t latencies = camera.latency().count(), ages = camera.age().count();
   if (latencies > seen.latencies && ages > seen.ages) {
     const auto latency = camera.latency().percentiles(seen.latencies);

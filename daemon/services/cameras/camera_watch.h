@@ -22,7 +22,7 @@ class CameraWatch {
   void look(const std::vector<std::shared_ptr<RunningCamera>>& cameras);
 
   const Timeline& timeline() const { return timeline_; }
-  /// Exposure of the camera's newest frame; none if no frame came in the last second.
+  /// Exposure of the camera's newest frame; none if no frame arrived in the last second.
   std::optional<Exposure> exposure(int camera_id) const;
   /// Figures of the stages of the camera's stack over the last seconds.
   std::vector<StageFigures> stages(int camera_id) const;

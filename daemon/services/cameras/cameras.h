@@ -30,12 +30,12 @@ struct CameraNow {
   const CameraContext& context() const { return setup->context; }
 };
 
-/// Is notified of changes of cameras.
+/// Receives notifications when cameras change.
 class CameraObserver {
  public:
   virtual ~CameraObserver() = default;
-  /// From now on, these cameras show something else or are gone: everything derived from their images is
-  /// invalid. Called while a change is applied: must not take long.
+  /// These cameras now show something else or were removed: everything derived from their images is invalid.
+  /// Called while a change is applied: must return quickly.
   virtual void cameras_changed(const std::set<int>& camera_ids) noexcept = 0;
 };
 
@@ -52,8 +52,8 @@ class Cameras {
   virtual std::optional<LentFrame> wait_frame(int camera_id, std::uint64_t newer_than,
                                               std::chrono::milliseconds timeout) = 0;
 
-  /// The next frame uses `adapted`, the accepted table adapted to the light. False if `accepted` is no longer
-  /// the accepted table.
+  /// The next frame uses `adapted`, the accepted table adapted to the light. Returns false if `accepted` is
+  /// no longer the accepted table.
   virtual bool change_light(int camera_id, const std::shared_ptr<const Lut>& accepted,
                             std::shared_ptr<const Lut> adapted) = 0;
 

@@ -28,21 +28,21 @@ struct LentFrame {
 };
 
 /// Returns the newest frame once its version is newer than `newer_than` (0: any); nothing on timeout. Throws
-/// CaptureError if there is no such camera, so that no caller polls without a pause.
+/// CaptureError if there is no such camera, because callers would otherwise poll without a pause.
 using WaitFrame = std::function<std::optional<LentFrame>(int camera_id, std::uint64_t newer_than,
                                                          std::chrono::milliseconds timeout)>;
 
 /// A camera that delivers nothing for this time counts as failed.
 inline constexpr std::chrono::milliseconds kSilence = std::chrono::seconds(10);
 
-/// The frames that a camera delivers after construction. The frame that was newest before is skipped, because
+/// The frames that a camera delivers after construction. Skips the frame that is the newest at construction:
 /// it may be old if the camera is lost.
 class FreshFrames {
  public:
   FreshFrames(const WaitFrame& wait_frame, int camera_id, std::chrono::milliseconds silence);
 
-  /// Returns the next frame; nothing on timeout. Throws CaptureError if no frame came for too long, or the
-  /// camera is gone.
+  /// Returns the next frame; nothing on timeout. Throws CaptureError if no frame arrived for `silence`, or if
+  /// the camera was removed.
   std::optional<LentFrame> next(std::chrono::milliseconds timeout);
 
  private:

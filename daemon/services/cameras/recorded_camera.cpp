@@ -79,7 +79,7 @@ void RecordedCamera::note(CameraSetup& setup, std::shared_ptr<const Config> conf
   put_into_ring(setups_.back());
 }
 
-/// Called as soon as a setup exists, not when a clip needs it: after a crash it would be too late.
+/// Called as soon as a setup exists: after a crash, no setup could be added for a clip.
 void RecordedCamera::put_into_ring(const Setup& setup) {
   if (!ring_of_setups_ || !setup.config) return;
   const auto& cameras = setup.config->cameras;

@@ -42,7 +42,7 @@ class RecordedCamera final : public FrameObserver {
 
   /// Takes effect with the next frame. Also copies the setups to the ring.
   void keep(RecordedFrames frames);
-  /// Releases memory that was kept before and that the camera's thread no longer uses.
+  /// Releases earlier rings that the camera's thread no longer uses.
   void tidy() const { frames_.load(); }
   /// Count and bytes of all images since the start, in the camera's format, kept or not.
   struct Seen {

@@ -156,7 +156,7 @@ bool RunningCamera::apply(Change& change, const std::array<double, 2>& robot_hei
   if (change.setup) {
     CameraSetup& setup = change.setup->setup;
     if (change.setup->keeps_colors) {
-      // Keep the adaptation to the light that happened while the change was planned and saved.
+      // Keep adaptations to the light made while the change was planned and saved.
       const auto before = pipeline_.setup();
       setup.context.adapted_lut = before->context.adapted_lut;
       setup.context.accepted_lut = before->context.accepted_lut;
@@ -170,8 +170,8 @@ bool RunningCamera::apply(Change& change, const std::array<double, 2>& robot_hei
   ++reopenings_;
   reopened_s_ = steady_s();
   const std::lock_guard lock(thread_mutex_);
-  // Only one thread at a time feeds the pipeline: the new thread waits for the old thread to end; this call
-  // does not wait.
+  // Only one thread at a time may feed the pipeline, so the new thread waits until the old thread ends. This
+  // call does not wait.
   change.thread->start(std::move(thread_));
   thread_ = std::move(change.thread);
   return true;

@@ -42,7 +42,7 @@ class RunningCamera {
   void start() noexcept;
   /// Starts stopping without waiting; the destructor waits.
   void ask_to_stop();
-  /// All calls that wait for its controls fail, now and later.
+  /// Makes all current and later calls that wait for its controls fail.
   void end_control_calls();
   /// Whether the destructor can run without waiting: the thread has ended, or hangs in the driver and was
   /// abandoned there. A thread that hangs in a stage has not stopped. Call it after ask_to_stop().
@@ -59,8 +59,8 @@ class RunningCamera {
     std::unique_ptr<CameraThread> thread{};  // made by get_ready() if the camera is reopened
     std::function<ControlQueue::Refusals()> control_outcome{};  // set by apply() if controls are set
   };
-  /// Does not query the camera. Throws SettingsError, beginning with `path`, for controls that an open camera
-  /// is known not to have or accept.
+  /// Does not query the camera. Throws SettingsError with a message that begins with `path` for controls that
+  /// the open camera is known to lack or refuse.
   Change plan(const CameraSettings& settings, std::shared_ptr<const Config> config,
               std::optional<NewSetup> setup, std::string path) const;
   /// Creates the stages and the thread that the change needs. Throws std::system_error if no thread can be
@@ -129,7 +129,7 @@ class RunningCamera {
   };
   /// The next frame uses `setup`. `config`: null if it is unchanged.
   void use(CameraSetup setup, std::shared_ptr<const Config> config = nullptr);
-  /// `controls`: further values to open the camera with, for controls that the settings do not name.
+  /// `controls`: values at opening of controls that the settings do not name.
   std::unique_ptr<CameraThread> make_thread(const CameraSettings& settings, const Scene& scene,
                                             ControlValues controls = {});
 
@@ -139,7 +139,7 @@ class RunningCamera {
     std::mutex mutex;
     Json camera;
     std::shared_ptr<Controls> controls;
-    Json settings;                             // name -> value to which the controls are or are being set
+    Json settings;                             // name -> value last set or being set
     std::uint64_t begun = 0, handed_over = 0;  // openings are numbered as they begin
 
     std::uint64_t begin();

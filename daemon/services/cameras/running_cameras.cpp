@@ -23,7 +23,7 @@ std::array<double, 2> robot_heights_mm(const Config& config, const RefereeListen
   return {teams[0].robot_height_mm, teams[1].robot_height_mm};
 }
 
-/// A camera's finished frame, on loan. It also holds the camera, in whose ring the frame lies.
+/// A camera's finished frame, on loan. Also keeps the camera alive, whose ring contains the frame.
 struct HeldFrame {
   std::shared_ptr<RunningCamera> camera;
   FrameRef frame;
@@ -252,7 +252,7 @@ void RunningCameras::apply(Planned& planned) noexcept {
 }
 
 void RunningCameras::drop_stopped() {
-  const auto before = gone_.load();  // keeps the stopped cameras until the lock is released
+  const auto before = gone_.load();  // keeps the stopped cameras alive until the lock is released
   if (before->empty()) return;
   const std::lock_guard lock(mutex_);
   List gone = *gone_.load();
@@ -263,7 +263,7 @@ void RunningCameras::drop_stopped() {
 void RunningCameras::update_robot_heights() {
   const std::lock_guard lock(mutex_);
   const auto teams = teams_now(config_.load()->teams, referee_.team_names());
-  // The names come from the network. Logged as JSON, they cannot forge a line of the log.
+  // The names are from the network. JSON escapes them, so that they cannot forge a line of the log.
   log::info("teams: yellow {} {} mm, blue {} {} mm", Json(teams[0].name).dump(), teams[0].robot_height_mm,
             Json(teams[1].name).dump(), teams[1].robot_height_mm);
   for (const auto& camera : list())

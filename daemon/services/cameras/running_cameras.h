@@ -47,17 +47,17 @@ class RunningCameras final : public Cameras, public ViewSource {
                                 std::chrono::milliseconds timeout) override;
 
   using List = std::vector<std::shared_ptr<RunningCamera>>;
-  /// In order of id.
+  /// Sorted by id.
   List list() const;
   /// Null if there is no camera with this id.
   std::shared_ptr<RunningCamera> find(int camera_id) const;
 
   /// Effects of a change of settings on the cameras.
   Plan plan(const SettingsChange& change);
-  /// Releases cameras that were removed from the settings and have stopped. Does not wait: a camera that
-  /// hangs in a stage stays, and hanging() reports it.
+  /// Releases cameras that were removed from the settings and have stopped. Does not wait: keeps a camera
+  /// that hangs in a stage, and hanging() reports it.
   void drop_stopped();
-  /// Gives every camera the robot heights of the teams that are playing. For the referee's thread.
+  /// Updates the robot heights of all cameras for the playing teams. Called by the referee's thread.
   void update_robot_heights();
 
  private:
@@ -72,7 +72,7 @@ class RunningCameras final : public Cameras, public ViewSource {
   const RefereeListener& referee_;
   const LoadTable load_table_;
   std::vector<CameraObserver*> observers_;
-  std::mutex mutex_;                                     // held while cameras get new setups; guards totals_
+  std::mutex mutex_;                                     // held while setups are replaced; guards totals_
   std::map<int, std::shared_ptr<CameraTotals>> totals_;  // by id
   Snapshot<Running> running_{Running{}};
   Snapshot<List> gone_{List{}};  // removed cameras that still run; written with the mutex held

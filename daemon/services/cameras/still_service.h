@@ -11,7 +11,7 @@
 
 namespace sslv {
 
-/// Keeps still images for a while, for viewing, and returns the values of their pixels.
+/// Keeps still images for viewing, for a while, and returns their pixel values.
 class StillService final : public Service, public Pictures {
  public:
   /// `cameras` must outlive this.

@@ -32,7 +32,7 @@ class Stills {
   static constexpr std::size_t kMaxOfACamera = 4;
   static constexpr std::chrono::minutes kLongest{10};
 
-  /// Returns the still's number; each still gets a higher number than all earlier stills.
+  /// Returns the still's number; numbers increase over all cameras.
   int keep(int camera_id, StillPicture picture, Clock::time_point now = Clock::now());
   /// Returns null if there never was a still with this number, or if it was dropped.
   std::shared_ptr<const StillPicture> find(int camera_id, int number, Clock::time_point now = Clock::now());

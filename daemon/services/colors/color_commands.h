@@ -47,13 +47,13 @@ struct EditRequest {
 /// Throws SettingsError.
 EditRequest read_edit_request(const Json& json);
 
-/// Throws SettingsError, beginning with `path`.
+/// Throws SettingsError with a message that begins with `path`.
 Label find_label(const LabelSet& labels, const std::string& name, const std::string& path);
 
 /// Describes several edits by the first edit and the number of further edits.
 std::string what_they_did(const std::vector<TableEdit>& edits, const LabelSet& labels);
 
-/// Returns at most 20 000 pixels of a pick, evenly chosen, to represent all of its pixels.
+/// Returns at most 20 000 evenly chosen pixels of a pick, which represent all of them.
 std::vector<Yuv> thinned(std::vector<Yuv> pixels);
 
 }  // namespace sslv

@@ -21,7 +21,7 @@ namespace sslv {
 struct TableChange {
   std::shared_ptr<const Lut> lut;  // the edited table; the same as before when nothing changes
   std::vector<CellRun> cells;
-  std::size_t left_clear = 0;  // cells of added clusters that stay clear: the carpet has them
+  std::size_t left_clear = 0;  // cells of added clusters that stay clear because they are carpet colours
 };
 
 /// A camera's accepted table and its undo history: the edits of all users, one after the other. Not
@@ -35,13 +35,13 @@ class ColorDesk {
   /// Increases with each change of the table.
   std::uint64_t revision() const { return revision_; }
   const TableHistory& history() const { return history_; }
-  /// Statistics of the table; counted once for each table.
+  /// Statistics of the table; computed once for each table.
   const TableStatistics& statistics();
 
   /// Returns the change that these edits together would make. Throws SettingsError.
   TableChange preview(std::span<const TableEdit> edits) const;
 
-  /// The following functions apply a table through `save`. If it throws, nothing has changed here either.
+  /// The following functions apply a table through `save`. If `save` throws, the desk is unchanged too.
   using Save = std::function<void(const std::shared_ptr<const Lut>& lut, const std::string& what)>;
   /// Adds one undo step, unless nothing changes.
   void change(const TableChange& change, const std::string& what, const std::string& who, const Save& save);

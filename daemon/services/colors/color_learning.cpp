@@ -20,11 +20,11 @@ namespace {
 
 using StillPictures = std::vector<std::shared_ptr<const StillPicture>>;
 
-/// Returns `wanted` fresh images, with some time in between so that objects have moved; when stopped, fewer
-/// images. Throws CaptureError.
+/// Returns `wanted` fresh images, spaced in time so that objects move in between; fewer when stopped. Throws
+/// CaptureError.
 StillPictures collect_pictures(FreshFrames frames, int wanted, const JobProgress& progress,
                                const std::stop_token& stop) {
-  constexpr std::chrono::milliseconds kLook{100};  // longest delay of a cancellation
+  constexpr std::chrono::milliseconds kLook{100};  // maximum delay of a cancellation
   constexpr double kSpacing_s = 0.3;
   StillPictures pictures;
   while (static_cast<int>(pictures.size()) < wanted && !stop.stop_requested()) {

@@ -24,12 +24,12 @@ struct LearningOrder {
   int frames = 3;
   std::vector<ColorSample> guide;
   CameraSettings settings;  // its stack and stages are used for detection
-  CameraContext context;    // has the table that the learnt table is compared with
+  CameraContext context;    // contains the table that the learnt table is compared with
   std::string who;          // the client's address
   double time_s = 0;
 };
 
-/// An image that colours were learnt from, with the detections of the old and of the new table.
+/// An image from which colours were learnt, with the detections made with the old and the new table.
 struct LearningPicture {
   std::shared_ptr<const StillPicture> picture;
   RobotList robots_before, robots_after;
@@ -52,7 +52,7 @@ using ColorLearning = BackgroundJobs<LearningOrder, LearningReport>;
 
 ColorLearning make_color_learning(WaitFrame wait_frame, std::chrono::milliseconds silence = kSilence);
 
-/// Fails the jobs of cameras whose view has changed or that are gone.
+/// Fails the jobs of cameras that were removed or whose view has changed.
 void invalidate(ColorLearning& jobs, const std::set<int>& camera_ids);
 
 }  // namespace sslv

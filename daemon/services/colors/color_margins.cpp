@@ -17,12 +17,11 @@ namespace {
 
 // Excluded around robots and balls: a robot's hull and shadow change the carpet's colours.
 constexpr double kRobotReachMm = 130, kBallReach = 1.6;
-/// Pause after work, as a multiple of the processor time that the work took. So measuring a camera's surfaces
-/// takes at most 2 % of a processor, and computing its margins at most another 2 %, whatever the size of its
-/// frames.
+/// Pause after work, as a multiple of the work's processor time. Measuring a camera's surfaces thus takes at
+/// most 2 % of a processor, and computing its margins at most another 2 %, for frames of any size.
 constexpr int kRestPerWork = 50;
 
-/// Processor time of this thread, without the time in which other threads kept it waiting.
+/// Processor time used by this thread; excludes waiting.
 std::chrono::nanoseconds work_so_far() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
@@ -201,7 +200,7 @@ bool ColorMargins::see_surfaces(const Camera& camera, Look& look, const std::sto
   if (surfaces->total(SurfaceKind::kCarpet) == 0) return true;
   auto margins = table_margins(*camera.lut, *surfaces, ending);
   // Keep the earlier surfaces while they give about the same margins: a table whose margins were widened for
-  // the earlier surfaces then keeps the margins that the user was shown.
+  // them then keeps the margins shown to the user.
   if (const auto before = this->margins(camera.id, *camera.lut, ending);
       !is_another_view && before && about_same(*before, margins))
     return true;

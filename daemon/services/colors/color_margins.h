@@ -25,8 +25,8 @@
 
 namespace sslv {
 
-/// Colours of the large surfaces (carpet, floor and others) in a frame of a calibrated or uncalibrated
-/// camera, without the robots and balls found in it.
+/// Colours of the large surfaces (carpet, floor and others) in a frame, without the robots and balls detected
+/// there. Also works for uncalibrated cameras.
 SurfaceColors surfaces_of(const LentFrame& frame, const Scene& scene, const PatternTable& patterns,
                           const Mask* mask, const std::stop_token& stop = {});
 
@@ -61,14 +61,14 @@ class ColorMargins {
 
   /// The surfaces measured last; null before the first measurement, and for a camera without colours.
   std::shared_ptr<const SurfaceColors> surfaces(int camera_id) const;
-  /// Returns the margins of the camera's current table, or of a table that may replace it. Takes some tens of
+  /// Returns the margins of the camera's current table, or of a table that may replace it. Takes tens of
   /// milliseconds if they were not computed before. Returns nothing while the camera's surfaces are unknown,
   /// or when stopped.
   std::optional<std::vector<LabelMargin>> margins(int camera_id, const Lut& lut,
                                                   const std::stop_token& stop = {});
   /// The margins computed last.
   std::optional<std::vector<LabelMargin>> newest_margins(int camera_id) const;
-  /// Drops the data of cameras whose view has changed or that are gone.
+  /// Drops the data of cameras that were removed or whose view has changed.
   void forget(const std::set<int>& camera_ids);
 
  private:

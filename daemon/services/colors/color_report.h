@@ -23,7 +23,7 @@ struct ColorFacts {
   std::optional<Margin> min_margin{};
   std::vector<std::string> missing_labels{};  // labels of the league's patterns and ball that no cell has
   std::vector<std::string> swapped_labels{};  // "green for pink": labels with another label's hue
-  std::string grey_format{};  // its pixel format, if that has no colours although its stack labels images
+  std::string grey_format{};  // its pixel format if it has no colours although the stack labels images
 };
 
 /// Adds the cameras' alerts and the check "colors". `lost_tables`: the reason for each saved table that could

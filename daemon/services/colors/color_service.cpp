@@ -183,7 +183,7 @@ TableEdit ColorService::read_pick(const ColorTables::AtDesk& at, const Json& jso
   if (pick.take_away) return RemoveClusterEdit{label, std::move(cluster)};
   AddClusterEdit edit{label, std::move(cluster), Over::kAny};
   if (const auto surfaces = margins_.surfaces(at.camera.id); surfaces && !is_surface_label(label)) {
-    // A user who picks a colour of carpet or floor does so on purpose: then no cell has to stay clear.
+    // Users pick a colour of carpet or floor on purpose: then no cell has to stay clear.
     const PixelFigures figures = figures_of(block);
     const auto level = [&](std::size_t c) { return static_cast<std::uint8_t>(std::lround(figures.mean[c])); };
     const Yuv mean{level(0), level(1), level(2)};
@@ -216,7 +216,7 @@ Response ColorService::edit(const Request& request) {
     if (!wanted.only_try) {
       at.desk.change(change, what_they_did(edits, at.labels()), request.address,
                      tables_.saver(at, request.address));
-      // An edit that changes no cell saves nothing; the adapted table must be saved nevertheless.
+      // An edit that changes no cell saves nothing, but the adapted table must still be saved.
       if (at.desk.table() != before.table() && change.cells.empty()) {
         tables_.saver(at, request.address)(at.desk.table(), "accepted as adapted to the light");
       }

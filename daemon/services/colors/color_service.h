@@ -18,7 +18,7 @@
 
 namespace sslv {
 
-/// Shows, edits, imports and exports colour tables, lets them follow the light, and reports their margins to
+/// Shows, edits, imports and exports colour tables, adapts them to the light, and reports their margins to
 /// carpet and floor.
 class ColorService final : public Service, public CameraObserver {
  public:

@@ -58,8 +58,8 @@ class FollowLight {
 
   /// State of a camera; LightFollowing::kOff if its table does not follow the light.
   Status status(int camera_id) const;
-  /// Returns to the accepted table until following is switched off and on again: thread_ does this soon after
-  /// the call. Once the call returns, no adapted table is applied any more.
+  /// Restores the accepted table until following is switched off and on again. thread_ applies it soon after
+  /// the call; no adapted table is applied once the call has returned.
   void take_back(int camera_id);
 
  private:
@@ -67,8 +67,8 @@ class FollowLight {
     explicit Followed(std::shared_ptr<const Lut> accepted) : follower(std::move(accepted)) {}
     LightFollower follower;
     std::uint64_t version = 0;  // version of the last frame observed
-    /// The newest tables, kept until the cameras have certainly released them: otherwise a camera's thread
-    /// might have to free megabytes, which takes as long as a frame.
+    /// The newest tables, kept until cameras have certainly released them: otherwise a camera's thread might
+    /// have to free megabytes, which takes as long as a frame.
     std::deque<std::shared_ptr<const Lut>> tables;
   };
   void serve(const std::stop_token& ending);

@@ -44,7 +44,7 @@ std::string table_name_of(std::string_view bytes) {
   return sha256_of(bytes).substr(0, kNameLength);
 }
 
-/// Whether it is a table's name. Only then may it become a part of a path.
+/// Whether it is a table's name and thus safe in a path.
 bool is_name(std::string_view name) {
   return name.size() == kNameLength && name.find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
@@ -97,7 +97,7 @@ std::string SavedTables::save(const std::shared_ptr<const Lut>& lut, const Label
   std::string name = table_name_of(chars_of(bytes));
   const std::lock_guard lock(mutex_);
   if (std::error_code error; bytes_of(file_of(name)) == bytes) {
-    // Renew the file's time, so that tidy() does not remove the file soon.
+    // Update the file's time, because tidy() removes the oldest files.
     std::filesystem::last_write_time(file_of(name), std::filesystem::file_time_type::clock::now(), error);
   } else {
     state_.write(file_of(name), std::string(bytes.begin(), bytes.end()));
@@ -205,8 +205,7 @@ bool SavedTables::has(const std::string& name) const {
   return !table_name_in(name).empty();
 }
 
-/// Tables of a backup. The settings' transaction decodes the tables that the settings use, which reads every
-/// cell.
+/// Tables of a backup. The settings' transaction validates every cell of the tables that the settings use.
 class SavedTables::Offered final : public SavedWith {
  public:
   Offered(SavedTables& tables, BackupFiles files) : tables_(tables), files_(std::move(files)) {

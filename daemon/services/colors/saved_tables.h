@@ -18,8 +18,8 @@ namespace sslv {
 class StateFolder;
 
 /// Colour tables that were edited, learnt or imported. Each is a file tables/*.lut in the state folder, named
-/// after its content, so that a name always means the same table. The settings, their history and profiles
-/// store names. Thread-safe.
+/// after its content, so that a name always identifies the same table. The settings, their history and
+/// profiles store names. Thread-safe.
 class SavedTables : public BackupPart {
  public:
   /// Maximum number of unused tables that tidy() keeps; it removes the oldest.
@@ -31,20 +31,20 @@ class SavedTables : public BackupPart {
   /// StorageError.
   std::string save(const std::shared_ptr<const Lut>& lut, const LabelSet& labels);
 
-  /// Throws SettingsError, beginning with `path`, when there is no such table or its file cannot be used.
-  /// Before end_start() it returns null instead, and lost() gives the reason.
+  /// Throws SettingsError with a message that begins with `path` if the table is missing or cannot be used.
+  /// Before end_start(), returns null instead, and lost() returns the reason.
   std::shared_ptr<const Lut> load(const std::string& name, const std::string& path,
                                   const LabelSet& labels) const;
 
   void end_start() noexcept { is_start_ = false; }
-  /// Why a table could not be used at start; empty when it could.
+  /// Why a table could not be used at start; empty if it could.
   std::string lost(const std::string& name) const;
 
   /// Keeps the tables in `used` and the kMax newest other tables; removes the rest.
   void tidy(const std::set<std::string>& used);
 
-  // BackupPart: all saved tables, including tables that only the history and profiles name. If all together
-  // are too large, only the tables of the settings and the newest other tables.
+  // BackupPart: all saved tables, including tables that only the history and profiles name. If they are too
+  // large together, files() returns only the settings' tables and the newest other tables.
   BackupFiles files(const Config& config) const override;
   bool has(const std::string& name) const override;
   std::unique_ptr<SavedWith> prepare(BackupFiles files) override;

@@ -8,8 +8,8 @@ namespace {
 
 constexpr double kMinute_s = 60, kUnknown_s = 600, kKept_s = 7200;
 
-/// Returns the difference about two minutes ago, or the oldest known one if that is newer: the difference
-/// before it grew above kDriftMm. Nothing if it is unknown or was above kDriftMm already.
+/// Returns the difference before it rose above kDriftMm: about two minutes ago, or the oldest known value if
+/// that is newer. Returns nothing if it is unknown or was already above kDriftMm.
 std::optional<double> before(const AgreementHistory::Pair& pair, double now_s) {
   constexpr double kGrows_s = 120;
   const AgreementHistory::Minute* out = nullptr;

@@ -13,8 +13,8 @@
 
 namespace sslv {
 
-/// Calibrations are accurate to 1 to 2 mm. Above kDriftMm, one of the two cameras has moved. The alert stays
-/// until the difference is below kAgreeMm, so that it does not come and go near the limit.
+/// Calibrations are accurate to 1 to 2 mm: above kDriftMm, one of the two cameras has moved. The alert stays
+/// until the difference is below kAgreeMm, so that it does not flicker near the limit.
 constexpr double kDriftMm = 5, kAgreeMm = 4;
 
 /// History of the agreement of each pair of cameras: their difference once a minute, and the time since which

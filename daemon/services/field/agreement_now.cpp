@@ -9,8 +9,8 @@
 namespace sslv {
 namespace {
 
-/// Older differences are dropped, because a camera may have moved since. Robots visit each part of the field
-/// more often.
+/// Older differences are dropped, because a camera may have moved since. Robots cross each part of the field
+/// more often than this.
 constexpr double kForgotten_s = 600;
 
 constexpr float kMinSamples = 30;  // in a part of the field
@@ -78,7 +78,7 @@ std::vector<CameraPairNow> pairs_of(const AgreementNow& agreement) {
     worst_of[cameras.first] += out.back().off_mm;
     worst_of[cameras.second] += out.back().off_mm;
   }
-  // Name first the camera that also differs more from further cameras.
+  // List first the camera that differs more from all cameras together.
   for (CameraPairNow& pair : out) {
     if (worst_of[pair.other] > worst_of[pair.camera]) std::swap(pair.camera, pair.other);
   }

@@ -21,7 +21,7 @@ struct AgreementNow {
   struct Camera {
     int id;
     double time_offset_s;
-    double error_mm;  // RMS of its positions' corrections over the places it shares with other cameras
+    double error_mm;  // RMS correction of its positions where other cameras see the same places
   };
   struct Height {
     int team, id;
@@ -47,7 +47,7 @@ inline double to_hundredths(double value) {
   return std::round(value * 100) / 100;
 }
 
-/// Writes the current state of `agreement` to `out`. Also makes `agreement` forget old differences.
+/// Writes the current state of `agreement` to `out`. Also drops old differences from `agreement`.
 void write_now(CameraAgreement& agreement, double now_s, AgreementNow& out) noexcept;
 
 /// Difference of two cameras where both see robots.
@@ -57,8 +57,8 @@ struct CameraPairNow {
   std::size_t parts;         // number of parts that were compared
   Eigen::Vector2d worst_mm;  // centre of the part in which the cameras differ most
 };
-/// Returns the pairs of cameras that share enough of the field. In each pair, `camera` differs more than
-/// `other` from all cameras together.
+/// Returns the pairs of cameras that share enough of the field. In each pair, `camera` is the one with the
+/// larger sum of differences over all its pairs.
 std::vector<CameraPairNow> pairs_of(const AgreementNow& agreement);
 
 /// FieldAgreement in docs/openapi.json, without `trends`.

@@ -23,8 +23,8 @@ namespace {
 
 constexpr std::size_t kMaxKicks = 100;
 
-/// By this uuid the game controller recognises the source. It is not part of backups: a spare computer is
-/// another source.
+/// The game controller recognises the source by this uuid. Backups exclude it: a spare computer is another
+/// source.
 std::string stable_uuid(StateFolder& folder) {
   const std::filesystem::path file = folder.path() / "tracker-uuid";
   std::string uuid;
@@ -56,8 +56,8 @@ std::set<int> ids_of(const Config& config) {
   return ids;
 }
 
-/// Tracks are made with every image. If no image arrives or no stage tracks, the visibility of the last
-/// tracks drops to 0, and then they are removed.
+/// Every image updates the tracks. If no image arrives or no stage tracks, the visibility of the last tracks
+/// drops to 0, and then they are removed.
 void fade(TrackedField& tracked, double age_s) {
   constexpr double kFresh_s = 0.2, kGone_s = 0.7;
   const double share = 1 - std::clamp((age_s - kFresh_s) / (kGone_s - kFresh_s), 0.0, 1.0);
@@ -100,7 +100,7 @@ Plan FieldService::plan(const SettingsChange& change) const {
   const auto config = std::make_shared<const Config>(change.next);
   return {.get_ready =
               [this, setup, config] {
-                // While the stack is unchanged, keep the pipeline with the state that its stages have learnt.
+                // If the stack is unchanged, keep the pipeline, because its stages have learnt state.
                 *setup = make_setup(*config, running_.setup()->pipeline);
               },
           .apply =

@@ -25,7 +25,7 @@
 
 namespace sslv {
 
-/// Tracks robots and balls from the detections of all cameras of this computer and of others of the field,
+/// Tracks robots and balls from the detections of all the field's cameras, on this computer and on others,
 /// and sends the tracks to the network and to viewers.
 class FieldService final : public Service, public Topic {
  public:
@@ -71,7 +71,7 @@ class FieldService final : public Service, public Topic {
   const std::string uuid_;
   MulticastSender sender_;
   const std::shared_ptr<SightingsQueue> heard_queue_;
-  mutable std::mutex heard_mutex_;  // guards the next two; never taken by a camera's or the field's thread
+  mutable std::mutex heard_mutex_;  // guards the next two; never locked by a camera's or the field's thread
   HeardCameras heard_cameras_;
   ArrivedSightings heard_;
   mutable std::mutex history_mutex_;

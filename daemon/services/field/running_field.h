@@ -50,7 +50,7 @@ class CountOverRestarts {
   std::atomic<std::uint64_t> total_{0};
 };
 
-/// Runs the field's stack in a thread of its own, which yields to the cameras' threads and only waits for
+/// Runs the field's stack in a thread of its own, which yields to the cameras' threads and waits only for
 /// their detections. Public functions may be called from any thread.
 class RunningField final : private FieldSink, private FieldClock {
  public:
@@ -69,7 +69,7 @@ class RunningField final : private FieldSink, private FieldClock {
   LeftOut left_out() const { return left_out_.load(); }
   /// Number of images, over all cameras.
   std::uint64_t frames() const { return frames_.load(std::memory_order_relaxed); }
-  /// Number of filters that were not finite and were reset, since the start.
+  /// Number of filters that were reset since the start because they were not finite.
   std::uint64_t repaired() const { return repaired_.total(); }
   /// Time from a camera's handover until the tracks are on the socket.
   const RecentDurations& latency() const { return latency_; }

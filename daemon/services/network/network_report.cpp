@@ -16,7 +16,7 @@ std::string joined(const std::vector<std::string>& texts) {
   return fmt::format("{}", fmt::join(texts, ", "));
 }
 
-/// Adds alerts about other visions, because teams cannot tell which vision a packet comes from.
+/// Adds alerts about other visions, because teams cannot distinguish the packets of two visions.
 void add_vision_alerts(HealthReport& report, const NetworkFacts& facts) {
   std::vector<Alert> same_camera, other_field, unnamed;
   for (const OtherVision& other : facts.other_visions) {

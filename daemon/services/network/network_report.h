@@ -17,7 +17,7 @@
 
 namespace sslv {
 
-/// Problems with the network card through which packets leave. Names of cards; empty: no problem.
+/// Names of network cards with a problem; empty: no problem.
 struct CardsUsed {
   std::string unused;        // a card with a link, although packets reach only this computer
   std::string without_link;  // the card that sends the packets, if its cable is unplugged

@@ -127,7 +127,7 @@ Plan NetworkService::plan(const SettingsChange& change) const {
     self.geometry_.store(geometry);
     self.geometry_sender_.restart(interval);
     self.other_visions_.listen(heard);
-    if (heard != self.heard_at_) self.heard_packets_.clear();  // the packets were received elsewhere
+    if (heard != self.heard_at_) self.heard_packets_.clear();  // they are from another group or card
     self.heard_at_ = heard;
     self.referee_.listen(referee);
   }};

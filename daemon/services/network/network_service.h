@@ -32,7 +32,7 @@ class NetworkService final : public Service {
   /// `act` is called from the listening thread with the messages of other visions. Set it before the first
   /// change of settings is applied.
   void on_other_vision(OtherVisions::OnOther act) { on_other_ = std::move(act); }
-  /// Stops receiving, so that nobody is notified of new names.
+  /// Stops receiving, so that neither callback is called any more.
   void stop_listening();
 
   Plan plan(const SettingsChange& change) const override;

@@ -17,7 +17,7 @@ Json packet_figures(const HeardPacket& packet, double now_s) {
           {"packet", Json::parse(packet_json(packet.bytes))}};
 }
 
-/// Why packets that were sent may be missing in the answer; empty if none are missing.
+/// Why packets that were sent may be missing from the answer; empty if none are missing.
 std::string not_heard_because(const PacketFacts& facts) {
   if (!facts.listening_error.empty()) return facts.listening_error;
   const bool is_broadcast = !facts.sent_by.broadcast.empty() ||

@@ -17,7 +17,7 @@ struct PacketFacts {
   MulticastSettings sent_by;
   const HeardPackets& heard;
   std::string listening_error;
-  std::vector<Arrival> vision, referee;  // senders, and by which way their packets arrive
+  std::vector<Arrival> vision, referee;  // senders whose packets arrive, and how
   std::string broadcast_error;  // why broadcasts to the vision or the game controller are not received
 };
 

@@ -14,7 +14,7 @@ namespace sslv {
 /// frames.
 class ClipCamera {
  public:
-  /// `every_nth`: the ring holds only every n-th frame on purpose; the frames in between do not count as
+  /// `every_nth`: the ring stores only every n-th frame on purpose; the frames in between do not count as
   /// missing.
   ClipCamera(LastSeconds::Ring ring, int every_nth);
 
@@ -22,9 +22,9 @@ class ClipCamera {
   /// Bytes of all held frames and of the frames expected within `seconds`.
   double expected_bytes(double seconds) const;
 
-  /// Writes the ring's oldest held frame and releases it. Returns false if no frame is held, or if the frame
-  /// was skipped because its setup is missing, or because a clip cannot begin with it: it lacks the saved
-  /// state of the stages. Throws StorageError.
+  /// Writes the ring's oldest held frame and releases it. Returns false if no frame is held or if the frame
+  /// was skipped: its setup is missing, or it is the first frame but not a keyframe (it lacks the saved state
+  /// of the stages). Throws StorageError.
   bool write_oldest(ClipWriter& writer);
   /// The clip is over: frames that the ring drops from now on are not counted.
   void end_now();

@@ -30,8 +30,8 @@ std::int64_t to_ns(double steady_s) {
   return std::llround(steady_s * 1e9);
 }
 
-/// Clips that no user requested remove no match logs, because anybody on the network can trigger goals and
-/// alerts.
+/// Only clips requested by a user or after a crash may remove match logs, because anybody on the network can
+/// trigger goals and alerts.
 RoomFor room_for(const ClipOrder& order) {
   return order.kind == kKeptClip || order.kind == kCrashClip ? RoomFor::kWantedClip : RoomFor::kOtherClip;
 }
@@ -67,7 +67,7 @@ ClipProgress ClipMaker::make(const ClipOrder& order, std::vector<LastSeconds::Ri
   work.progress.why = order.why;
   work.cameras.reserve(rings.size());
   for (LastSeconds::Ring& ring : rings) work.cameras.emplace_back(std::move(ring), every_nth);
-  work.hold();  // before the file is created: held frames are not overwritten meanwhile
+  work.hold();  // before the file is created, so that the frames are not overwritten meanwhile
   std::filesystem::path file;
   bool is_finished = false;
   try {
@@ -126,7 +126,7 @@ void ClipMaker::write(Work& work, const std::stop_token& stop) {
       files_.make_room(config_.load()->recording, room_for(work.order), events_);
     }
     if (work.hooks.wait) work.hooks.wait();
-    // Return only if the last hold() came after the waiting time for late frames.
+    // Return only if the last hold() was called after the waiting time for late frames.
     if (now_s > work.order.end_s + kLateFrames_s || stop.stop_requested()) return;
     std::unique_lock lock(idle);
     stopped.wait_for(lock, stop, kNextFrames, [] { return false; });

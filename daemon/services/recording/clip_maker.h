@@ -35,7 +35,7 @@ struct ClipProgress {
   std::string file{};
   std::string why{};
   std::uint64_t bytes = 0, frames = 0, missing = 0;
-  std::string problem{};  // why the clip was not written, or not completely
+  std::string problem{};  // why the clip is missing or incomplete
 };
 
 /// Writes one clip from the ring buffers of running cameras, or from the ring buffers that a crash left in

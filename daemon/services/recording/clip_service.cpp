@@ -67,8 +67,8 @@ ClipService::ClipService(const Snapshot<Config>& config, RecordingFiles& files, 
       }) {}
 
 void ClipService::work(const std::stop_token& stop) {
-  // First write the clip of the crashed run, which also frees that run's memory: together with the new ring
-  // buffers, twice as much memory would be in use.
+  // First write the clip of the crashed run, which also frees that run's memory: the new ring buffers would
+  // otherwise double the memory in use.
   if (!left_.empty()) write_left(std::move(left_), stop);
   double shared_s = 0;
   while (!stop.stop_requested()) {
@@ -113,7 +113,7 @@ void ClipService::order_for_event(bool is_wanted, const std::string& kind, const
   if (!is_wanted) return;
   const ClipSettings settings = config_.load()->recording.clips;
   const double now_s = steady_s();
-  // The result does not matter: if another clip is being written, that clip lists this event.
+  // Ignore the result: if another clip is being written, that clip lists this event.
   put({.name = kind,
        .kind = kind,
        .why = text,
@@ -179,7 +179,7 @@ void ClipService::write_left(std::vector<KeptFile> files, const std::stop_token&
   crash_s_ = steady_s();
 }
 
-/// Returns the clips of crashes, last written first. The kind is read from the file, because users may give
+/// Returns the clips of crashes, last written first. Reads the kind from the file, because users may give
 /// clips any name.
 std::vector<RecordingFile> ClipService::crash_clips(const std::stop_token& stop) const {
   std::vector<RecordingFile> out = files_.list(RecordingFile::Kind::kClip);

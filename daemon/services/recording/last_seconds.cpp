@@ -23,7 +23,7 @@ namespace {
 
 /// Minimum interval for measuring a data rate, and delay after a change of the cameras.
 constexpr double kMeasured_s = 0.9;
-/// Intervals without a steady rate after which the current rate is accepted anyway.
+/// Number of intervals without a steady rate after which the current rate is accepted anyway.
 constexpr int kUnevenAtMost = 5;
 /// Relative difference up to which rates count as equal and rings keep their size, because resizing a ring
 /// loses its images.
@@ -89,9 +89,9 @@ void LastSeconds::measure(std::map<int, Known>& known, double now_s) {
     const double passed_s = now_s - one.seen_s;
     if (passed_s < kMeasured_s) continue;
     const RecordedCamera::Seen seen = one.camera->seen();
-    // A camera that stopped keeps its memory, because its last seconds show why it stopped. So a rate counts
-    // only if two successive intervals agree, which excludes intervals in which the camera started or
-    // stopped. A camera without a steady rate gets memory after kUnevenAtMost intervals.
+    // A camera that stopped keeps its memory, because its last seconds show why it stopped. A rate therefore
+    // counts only if two successive intervals agree, which excludes intervals in which the camera started or
+    // stopped. A camera without a steady rate receives memory after kUnevenAtMost intervals.
     if (seen.frames != one.seen.frames) {
       one.image_bytes = (seen.bytes - one.seen.bytes) / (seen.frames - one.seen.frames);
       const double rate = static_cast<double>(seen.bytes - one.seen.bytes) / passed_s;

@@ -19,7 +19,7 @@
 namespace sslv {
 
 /// Ring buffers with the newest images (the last seconds) of all cameras. Their memory is divided by data
-/// rate, so that all reach back equally far. look() and rings() are for the clip thread only; all other
+/// rate, so that all cover the same time. look() and rings() are for the clip thread only; all other
 /// functions are for any thread.
 class LastSeconds {
  public:

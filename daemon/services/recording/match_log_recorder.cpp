@@ -98,7 +98,7 @@ MatchLogRecorder::Status MatchLogRecorder::status() const {
 
 void MatchLogRecorder::take(Group& group, const boost::asio::ip::udp::endpoint& sender,
                             std::span<const std::byte> datagram) {
-  // In this order, so that invalid datagrams do not count for the rate limit.
+  // In this order, so that invalid datagrams do not count towards the rate limit.
   const bool is_good = is_league_message(group.type, datagram) &&
                        group.share.take(sender.address().to_v4().to_uint(), datagram.size(), steady_s());
   const bool is_ours = is_good && is_ours_(group.type, sender);

@@ -48,8 +48,8 @@ class MatchLogRecorder {
     std::uint64_t ours_bytes = 0, strangers_bytes = 0;  // accepted bytes, uncompressed
     std::string problem;                                // why the log ended early; empty: it did not
 
-    /// Share of the log's bytes, 0 to 1, that counts when space is made: our bytes, and at most the same
-    /// number of strangers' bytes; 1 if there are no bytes of ours.
+    /// Share of the log's bytes, 0 to 1, that counts when space is freed: our bytes, and at most the same
+    /// number of strangers' bytes; 1 if the log has no bytes from us.
     double counted_share() const;
   };
 

@@ -9,9 +9,9 @@
 
 namespace sslv {
 
-/// Decides by the game controller when a match is recorded, like the league's own recorder: a recording
-/// begins when both teams are named and the command is not HALT, pauses in breaks, and ends with the match,
-/// when a team's name changes, or when the game controller has been silent for
+/// Decides from the game controller's state when to record a match, like the league's own recorder: a
+/// recording begins when both teams are named and the command is not HALT, pauses in breaks, and ends with
+/// the match, when a team's name changes, or when the game controller has been silent for
 /// RefereeStatus::kMatchOverAfter_s.
 class MatchRule {
  public:
@@ -42,8 +42,8 @@ class MatchRule {
   int number_ = 0;
 };
 
-/// Makes a text usable in a file name, with at most 60 bytes: ASCII letters and digits stay, and '-' and '.'
-/// except at the beginning; all other characters become '_', and several in a row become a single '_'.
+/// Converts a text to at most 60 bytes of a file name. Keeps ASCII letters, digits, and '-' and '.' except at
+/// the beginning; replaces each sequence of other characters with one '_'.
 std::string file_name_part(const std::string& text);
 
 }  // namespace sslv

@@ -199,7 +199,7 @@ DiskUse RecordingFiles::disk_use() const {
 }
 
 RecordingFiles::Removables RecordingFiles::removable(RoomFor whom, std::uint64_t most) const {
-  // Order by time of writing, not by name: other programs put recordings here too, and the clock may have
+  // Order by time of writing, not by name: other programs save recordings here too, and the clock may have
   // been wrong.
   Removables out;
   std::pair<std::string, double> counted;
@@ -240,7 +240,7 @@ void RecordingFiles::count(const std::string& log, double share) {
 Room RecordingFiles::make_room(const RecordingSettings& settings, RoomFor whom, EventQueue& events,
                                std::uint64_t wanted_bytes) {
   const std::lock_guard one_at_a_time(room_mutex_);
-  // Clips leave a reserve: they must never end a match log by taking the last space. With a small quota, the
+  // Clips leave a reserve: they must never end a match log by filling the last space. With a small quota, the
   // reserve is small.
   const int reserve_mb = whom == RoomFor::kMatchLog ? 0 : std::min(kReserve_mb, settings.quota_mb / 4);
   const std::uint64_t quota = static_cast<std::uint64_t>(settings.quota_mb - reserve_mb) * kMb;

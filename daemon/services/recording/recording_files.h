@@ -44,7 +44,7 @@ struct RecordingFile {
   // read.
   std::shared_ptr<const MatchLogIndex> index;
   std::shared_ptr<const ClipFacts> clip;
-  std::string problem;  // why it cannot be read, or not completely; empty: no problem
+  std::string problem;  // why it cannot be read completely; empty: no problem
 };
 
 struct DiskUse {
@@ -52,8 +52,8 @@ struct DiskUse {
   std::uint64_t free_bytes = 0;  // free bytes of the disk that the service may use
 };
 
-/// The purpose for which make_room() frees space. It removes clips before match logs, and the oldest of each
-/// kind first. It never removes pinned or open recordings or the newest match log. Strangers (see
+/// The purpose for which make_room() frees space. make_room() removes clips before match logs, the oldest of
+/// each kind first, and never pinned or open recordings or the newest match log. Strangers (see
 /// MatchLogRecorder) may have filled that log: no recording is removed to make space for its bytes beyond its
 /// counted share or beyond half the quota. A recording larger than half the quota is removed before all other
 /// recordings.
@@ -100,9 +100,9 @@ class RecordingFiles {
   bool remove(const std::string& name);
 
   DiskUse disk_use() const;
-  /// Removes recordings until `wanted_bytes` more fit, with an event for each; removes none if that is not
-  /// enough. Throws StorageError if a clip would exceed the quota, or the disk would have less free space
-  /// than the settings require.
+  /// Removes recordings until `wanted_bytes` more fit, with an event for each; removes none if that cannot
+  /// free enough space. Throws StorageError if a clip would exceed the quota, or the disk would have less
+  /// free space than the settings require.
   Room make_room(const RecordingSettings& settings, RoomFor whom, EventQueue& events,
                  std::uint64_t wanted_bytes = 0);
 

@@ -9,7 +9,7 @@ namespace sslv {
 
 namespace {
 
-/// Always a warning: problems with recordings stop no match.
+/// Always a warning: problems with recordings do not stop a match.
 void warn_of(const char* check, const char* id, std::string title, std::string fix, HealthReport& report) {
   report.alerts.push_back({.id = id,
                            .check = check,

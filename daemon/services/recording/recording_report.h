@@ -13,7 +13,7 @@ struct RecordingFacts {
   bool is_recording = false, is_paused = false;
   bool is_by_hand = false;      // logs are only started by hand
   std::uint64_t bytes = 0;      // size of the current log
-  std::uint64_t lost = 0;       // messages that the log lacks
+  std::uint64_t lost = 0;       // messages missing from the log
   std::uint64_t refused = 0;    // datagrams that were not the league's messages, or above the rate limit
   std::uint64_t cut = 0;        // strangers' messages dropped for lack of space
   std::string problem;          // why the last log ended early or could not begin

@@ -15,7 +15,7 @@ namespace sslv {
 /// Throws HttpError if `body` is not an object or has a key that is not in `known`.
 void check_keys(const Json& body, std::initializer_list<std::string_view> known);
 
-/// Makes the key "name" a part of a file name. Throws HttpError if it is invalid.
+/// Returns the value of "name", converted to a part of a file name. Throws HttpError if it is invalid.
 std::string asked_name(const Json& body);
 
 /// Value of "pinned", the only key that can be changed. Throws HttpError.

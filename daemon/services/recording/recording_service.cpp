@@ -24,7 +24,7 @@ namespace {
 constexpr std::chrono::milliseconds kLookInterval{200};
 constexpr std::chrono::seconds kCheckInterval{5};  // between checks of the disk
 constexpr std::chrono::seconds kFilesInterval{1};
-/// How long the reason is reported after a recording ended early.
+/// Time for which the reason is reported after a recording ended early.
 constexpr double kProblemIsTold_s = 600;
 constexpr const char* kEndedEarly = "its log ended early";
 
@@ -88,7 +88,7 @@ RecordingService::RecordingService(const Snapshot<Config>& config, RecordingFile
       is_own_(std::move(is_own)),
       recorder_([this](std::int32_t type, const auto& sender) { return is_ours(type, sender); }),
       keeper_([this](const std::stop_token& stop) {
-        // Not an idle thread: other threads wait for a lock that it sometimes holds.
+        // Not at idle priority: other threads wait for a lock that this thread sometimes holds.
         become_background_thread("log index", 19);
         repeat(kFilesInterval, stop, [&] { files_.look_after(stop, steady_s()); });
       }),

@@ -134,7 +134,7 @@ std::shared_ptr<ReplayService::Open<Reader>> ReplayService::opened(std::vector<O
   return list.front().open;
 }
 
-/// Closes unused and removed recordings, to free their memory and disk space. Does not hold the lock while it
+/// Closes unused and removed recordings, to free their memory and disk space. Releases the lock before it
 /// accesses the disk or destroys a reader: a disk that hangs delays no other request.
 template <class Reader>
 void ReplayService::close_unused(std::vector<OpenOne<Reader>>& list) {
@@ -243,7 +243,7 @@ Response ReplayService::start_comparison(const Request& request) {
     order.frames = camera->frames.size();
     return Response{};
   });
-  // Take tables from the running service: the replay cannot load saved tables by name.
+  // Use the running service's tables: the replay cannot load saved tables by name.
   if (order.with == With::kSettingsNow) order.table = cameras_.get(order.camera_id).context().adapted_lut;
   if (order.with == With::kLearntColors) {
     order.table = learnt_table_(order.camera_id);

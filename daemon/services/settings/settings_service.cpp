@@ -24,7 +24,7 @@ CheckedSettings check_tree(const Json& settings) {
   return {params_to_json(*config), std::move(config)};
 }
 
-/// Shortens a change for the log; the settings' history has all of it.
+/// Shortens a change for the log; the settings' history contains the whole change.
 std::string in_short(const Json& patch) {
   constexpr std::size_t kMaxBytes = 300;
   std::string text = escaped_text(patch.dump(-1, ' ', false, Json::error_handler_t::replace));

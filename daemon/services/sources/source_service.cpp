@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kMaxImageWidth_px = 2048;
 
-/// Whether only one program can have such a camera open.
+/// Whether only one program at a time can open this camera.
 bool is_exclusive(const Json& source) {
   return source.at("backend") != "files" && source.at("backend") != "simulator";
 }

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 constexpr const char* kFolderName = "images";
 constexpr std::size_t kMaxNameBytes = 100;
 /// Folder in which an upload is tested before it is saved. It is separate from the saved images, because a
-/// camera may be showing these.
+/// camera may be using them.
 constexpr const char* kTrialName = ".trial";
 
 void check_name_of_file(std::string_view key, const std::string& name) {
@@ -90,7 +90,7 @@ class RemovedAtEnd {
   const fs::path file_;
 };
 
-/// Reads the image like a camera that shows it. Throws std::runtime_error if the image cannot be read.
+/// Reads the image as the backend "files" would. Throws std::runtime_error if the image cannot be read.
 void read_as_camera(const fs::path& file) {
   PicturePool pool;
   Image image;

@@ -50,7 +50,7 @@ void report_computer(const ComputerFigures& computer, const std::optional<ClockF
                              .fix = std::move(fix),
                              .page = page});
   };
-  // Without another vision, this computer's clock may be wrong, because teams get all times from this clock.
+  // A wrong clock matters only beside another vision: otherwise all times that teams receive are from it.
   if (report.another_host_sends && clock && !clock->synchronised) {
     warn("clock_not_synchronised", "clock",
          "This computer's clock is not synchronised, and another vision sends times too",

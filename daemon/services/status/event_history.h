@@ -14,20 +14,20 @@
 
 namespace sslv {
 
-/// Alerts and events of the last day, with their times, durations and titles. look() gets the current alerts
-/// once a second; the caller provides the time. No locks, no files.
+/// Alerts and events of the last day, with their times, durations and titles. look() receives the current
+/// alerts once a second; the caller provides the time. Uses no locks and no files.
 class EventHistory {
  public:
   static constexpr double kKept_s = 24 * 3600;
   static constexpr std::size_t kMaxEntries = 500, kMaxTextBytes = 300;
-  /// An alert has ended when it has been gone for this long.
+  /// An alert ends after it has been inactive for this long.
   static constexpr double kGone_s = 5;
   /// An alert that returns this soon after its end continues its entry, whose count is incremented. The same
   /// holds for equal events.
   static constexpr double kSame_s = 60;
 
-  /// The current time on two clocks: Unix time for display, and steady time for durations, so that setting
-  /// the system clock does not change these.
+  /// The current time on two clocks: Unix time for display, and steady time for durations, which setting the
+  /// system clock must not change.
   struct Now {
     double unix_s, steady_s;
   };
@@ -42,7 +42,7 @@ class EventHistory {
   Json entries_json() const;
 
   /// to_saved() returns the input for load(). load() skips everything that is not an entry. An alert that was
-  /// open when saved has ended at an unknown time: its end becomes the time of saving.
+  /// open when saved ended at an unknown time: its end becomes the time of saving.
   Json to_saved() const;
   void load(const Json& saved, Now now);
 

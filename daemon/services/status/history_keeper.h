@@ -15,9 +15,9 @@
 
 namespace sslv {
 
-/// The history of alerts and events, with the file that preserves it over restarts. A separate thread writes
-/// the file, so that a disk that hangs delays no other thread: within a few seconds after entries begin or
-/// end, and once a minute while entries are open, to save their durations. Thread-safe.
+/// The history of alerts and events, with the file that preserves it across restarts. A separate thread
+/// writes the file, so that a disk that hangs delays no other thread: within a few seconds after entries
+/// begin or end, and once a minute while entries are open, to save their durations. Thread-safe.
 class HistoryKeeper {
  public:
   static constexpr const char* kFileName = "events.json";

@@ -22,7 +22,7 @@ LinesNow better(const LinesNow& a, const LinesNow& b) {
 }
 
 /// Returns nothing if no line can be judged. It is unknown whether the field's sizes were measured to the
-/// middle or to the outer edge of the lines, so the better fit of both counts, as in calibration.
+/// middle or to the outer edge of the lines, so the better fit counts, as in calibration.
 std::optional<LinesNow> lines_in(const ImageView& image, const Scene& scene, const FieldCurves& curves) {
   std::optional<LinesNow> best;
   for (const LinesMeasured to : {LinesMeasured::kToMiddle, LinesMeasured::kToOuterEdge}) {

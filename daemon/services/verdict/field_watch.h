@@ -50,11 +50,11 @@ class FieldWatch {
 
   /// See Sightings::now().
   Seen seen(std::optional<double> match_since_s, const SubstitutionAreas& areas) const;
-  /// Drops the data of cameras whose view has changed or that are gone.
+  /// Drops the data of cameras that were removed or whose view has changed.
   void forget(const std::set<int>& camera_ids);
   /// See Sightings.
   void robots_are_handled(bool are);
-  /// For cameras that are gone or were replaced. See Sightings.
+  /// For cameras that were removed or replaced. See Sightings.
   void expect_nothing_of(const std::set<int>& camera_ids);
 
  private:

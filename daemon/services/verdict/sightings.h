@@ -79,7 +79,7 @@ class Sightings {
   /// This camera's view has changed: its earlier detections are no longer compared. The robots it saw are
   /// still expected.
   void forget(int camera_id);
-  /// This camera is gone or was replaced: like forget(), and the robots that it saw last are no longer
+  /// This camera was removed or replaced: like forget(), and the robots that it saw last are no longer
   /// expected.
   void expect_nothing_of(int camera_id);
   /// Whether people may take robots off the field from now on, as in a HALT or a timeout of a match.

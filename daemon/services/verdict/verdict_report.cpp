@@ -20,8 +20,8 @@ constexpr double kWarnMm = 25, kBadMm = 60;
 constexpr double kMissingShare = 0.4;
 /// Shares of the field's grid points that no camera covers: alert, severe alert.
 constexpr double kUncoveredShare = 0.01, kUncoveredBadShare = 0.1;
-/// A missing ball is reported after this time, kBallHidden_s in a match: robots hide it for a moment, in a
-/// match for longer, and people take it off the field.
+/// A missing ball is reported after kBallGone_s, or after kBallHidden_s in a match: robots hide it for a
+/// moment, in a match for longer, and people take it off the field.
 constexpr double kBallGone_s = 3, kBallHidden_s = 15;
 /// Other robots cannot hide a whole team.
 constexpr double kTeamGone_s = 3;
@@ -53,8 +53,8 @@ std::string names_of(const std::vector<LostRobot>& robots) {
   return fmt::format("{}", fmt::join(parts, " and "));
 }
 
-/// Titles do not say for how long: alerts have a time of their own, and a changing title would be read out
-/// again.
+/// Titles contain no durations: alerts have a time of their own, and screen readers would repeat a changing
+/// title.
 void report_lost(const VerdictFacts& facts, HealthReport& report) {
   const FieldSeen& field = facts.seen.field;
   if (field.lost.empty()) return;

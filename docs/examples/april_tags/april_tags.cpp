@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// AprilTags. The stage "april_tags" finds them, publishes those on robots, and leaves all of them in a part
-// of the frame that this library brings. "tag_corners" reads that part: tags that lie on the field's corners
-// tell how far off the calibration is.
+// The stage "april_tags" detects AprilTags, publishes those on robots, and stores all of them in a part of
+// the frame that this library defines. "tag_corners" reads that part and measures the error of the
+// calibration with tags on the field's corners.
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -14,13 +14,13 @@
 
 using namespace sslv;
 
-/// A tag's middle on the plane z = height, and where its upper edge looks, counter-clockwise from +x.
+/// A tag's centre on the plane z = height, and the direction of its upper edge, counter-clockwise from +x.
 struct Tag {
   int id;
   double x_mm, y_mm, orientation_rad, height_mm, pixel_x, pixel_y;
-  double margin;  // how clear its bits are, grey levels
+  double margin;  // AprilTag's decision margin: how clear its bits are, grey levels
 };
-/// Another library that has a part of the same name with the same members reads this one.
+/// Another library can read this part if it defines a part with the same name and members.
 struct TagList {
   static constexpr std::string_view kPartName = "tags";
   std::vector<Tag> tags;
@@ -49,12 +49,12 @@ class AprilTags {
     }
   };
   AprilTags() { look_for(Family::k36h11); }
-  // AprilTag allocates for each image, and takes longer the more there is to see. That is right for an
-  // example; `ssl-visionctl bench` tells whether a camera can afford it.
+  // AprilTag allocates for each image, and needs more time for images with more edges. An example may do so;
+  // measure with `ssl-visionctl bench` whether a camera can afford it.
   void process(const Params& params, const Scene& scene, const Mask& mask, const Image& image,
                Update<RobotList> robots, TagList& list, StageNotes& notes) noexcept {
     const ImageView& view = image.view();
-    if (!scene.camera || std::min(view.width, view.height) < 32)  // AprilTag does not expect less
+    if (!scene.camera || std::min(view.width, view.height) < 32)  // AprilTag cannot handle smaller images
       return notes.say("needs a calibrated camera, and an image larger than this one");
     if (params.family != family_) look_for(params.family);
     detector_->quad_decimate = static_cast<float>(params.decimate);
@@ -76,12 +76,12 @@ class AprilTags {
   }
 
  private:
-  /// Nothing where the camera does not see the plane.
+  /// Nothing if a corner's ray does not meet the plane.
   static std::optional<Tag> locate(const apriltag_detection_t& found, const CameraModel& camera,
                                    double height_mm) {
     std::array<Eigen::Vector2d, 4> corners;  // counter-clockwise from the lower left one
     for (std::size_t i = 0; i < corners.size(); ++i) {
-      // AprilTag counts pixels from the first one's corner, we from its centre.
+      // AprilTag's origin is the first pixel's corner, ours is its centre.
       const auto place = camera.unproject({found.p[i][0] - 0.5, found.p[i][1] - 0.5}, height_mm);
       if (!place) return std::nullopt;
       corners[i] = *place;
@@ -93,7 +93,7 @@ class AprilTags {
                height_mm, found.c[0] - 0.5, found.c[1] - 0.5, found.decision_margin};
   }
 
-  /// Unless its pattern was found. The list is sorted by falling confidence.
+  /// Does nothing if the robot's pattern was found. The list is sorted by falling confidence.
   static void add_robot(Team team, int id, const Tag& tag, RobotList& list) {
     for (const Robot& robot : list.robots)
       if (robot.team == team && robot.id == id) return;
@@ -103,16 +103,16 @@ class AprilTags {
 
   void look_for(Family family) {
     detector_ = {apriltag_detector_create(), apriltag_detector_destroy};
-    detector_->nthreads = 1;  // the camera's own
+    detector_->nthreads = 1;  // the calling thread: the camera's
     tags_ = family == Family::k16h5 ? std::shared_ptr<apriltag_family_t>(tag16h5_create(), tag16h5_destroy)
                                     : std::shared_ptr<apriltag_family_t>(tag36h11_create(), tag36h11_destroy);
-    apriltag_detector_add_family_bits(detector_.get(), tags_.get(), 0);  // no wrong bit: they are published
+    apriltag_detector_add_family_bits(detector_.get(), tags_.get(), 0);  // corrects no bits: fewer errors
     family_ = family;
   }
 
   Family family_{};
   std::shared_ptr<apriltag_family_t> tags_;
-  std::shared_ptr<apriltag_detector_t> detector_;  // ends before the family that it knows
+  std::shared_ptr<apriltag_detector_t> detector_;  // destroyed before the family that it uses
   std::vector<std::uint8_t> grey_;
 };
 
@@ -129,7 +129,7 @@ class TagCorners {
   };
   void process(const Params& params, const Scene& scene, const TagList& list, StageNotes& notes) noexcept {
     double most_mm = 0;
-    text_.clear();  // a member, so that it keeps its memory
+    text_.clear();  // keeps its memory for the next image
     for (const Tag& tag : list.tags) {
       const int corner = tag.id - params.first_id;
       if (corner < 0 || corner > 3) continue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A stage in ten minutes: it removes balls that lie outside the lines, and says how many.
+// A stage in ten minutes: removes balls that lie outside the lines, and reports their number.
 #include <cmath>
 #include <cstdio>
 
@@ -7,7 +7,7 @@
 
 class Hello {
  public:
-  // What the admin can set. Each line is a range, a default, a help text and a field on the panel's page.
+  // The stage's settings. Each line defines a range, a default, a help text and a field in the panel.
   struct Params {
     double margin_mm = 100;
     static constexpr auto fields() {
@@ -16,8 +16,8 @@ class Hello {
     }
   };
 
-  // What it takes is what it needs: the balls that were found, to change them; the field; a line for the
-  // admin. Once for each image, on the camera's own thread, so it must neither wait nor throw.
+  // The arguments are what the stage needs: the field, the detected balls (Update: to change them), a line
+  // for the admin. Runs for each image on the camera's thread, so it must neither block nor throw.
   void process(const Params& params, const sslv::Scene& scene, sslv::Update<sslv::BallList> balls,
                sslv::StageNotes& notes) noexcept {
     const double max_x_mm = scene.field.field_length / 2.0 + params.margin_mm;
@@ -25,12 +25,12 @@ class Hello {
     removed_ += std::erase_if(balls->balls, [&](const sslv::Ball& ball) {
       return std::abs(ball.x_mm) > max_x_mm || std::abs(ball.y_mm) > max_y_mm;
     });
-    std::array<char, 64> text;  // a std::string would allocate, for each image
+    std::array<char, 64> text;  // a std::string would allocate for each image
     std::snprintf(text.data(), text.size(), "%zu balls removed", removed_);
     notes.say(text.data());
   }
 
  private:
-  std::size_t removed_ = 0;  // what a stage remembers is a member
+  std::size_t removed_ = 0;  // a member keeps its value from image to image
 };
 SSLV_STAGES(sslv::stage<Hello>("hello", "removes balls outside the lines"))

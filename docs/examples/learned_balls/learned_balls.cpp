@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A small network has the last word on what is a ball. detect_balls is set to let doubtful ones pass
-// (min_confidence), record_patches gives the images, train.py makes balls.onnx of them.
+// A small neural network decides which candidates are balls. Set detect_balls to let doubtful balls pass
+// (min_confidence); record_patches writes the training images, and train.py makes balls.onnx from them.
 #include "../metric_patch.h"
 
 #include <algorithm>
@@ -23,16 +23,16 @@ class LearnedBalls {
     }
   };
 
-  /// Reads balls.onnx from this library's own folder: the two are copied together. What a constructor throws,
-  /// the admin reads; the service then runs without this library.
+  /// Reads balls.onnx from this library's folder, because the two are copied together. If a constructor
+  /// throws, the service runs without this library and shows the admin the error.
   LearnedBalls() {
     Dl_info self{};
-    dladdr(&kSideMm, &self);  // anything of this library
+    dladdr(&kSideMm, &self);  // any address in this library
     const auto file = std::filesystem::path(self.dli_fname).replace_filename("balls.onnx");
     if (!std::filesystem::exists(file)) throw std::runtime_error("there is no " + file.string());
     net_ = cv::dnn::readNetFromONNX(file.string());
-    cv::setNumThreads(1);  // the camera's own
-    judge(Patch{});        // now, not with the first ball: OpenCV allocates what the network needs
+    cv::setNumThreads(1);  // the calling thread: the camera's
+    judge(Patch{});        // OpenCV allocates the network's memory now instead of at the first ball
   }
 
   void process(const Params& params, const Scene& scene, const Image& image, Update<BallList> list,
@@ -52,9 +52,9 @@ class LearnedBalls {
   }
 
  private:
-  static constexpr double kSideMm = 100;  // as the patches were recorded
+  static constexpr double kSideMm = 100;  // as in the recorded patches
 
-  /// How much this is a ball, 0 .. 1. OpenCV allocates a little each time.
+  /// Confidence that this is a ball, 0 .. 1. OpenCV allocates a little memory each time.
   double judge(const Patch& patch) {
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(patch.data());
     std::transform(bytes, bytes + sizeof patch, input_.begin<float>(),

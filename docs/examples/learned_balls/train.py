@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""train.py PATCHES TRUTH OUT: makes the network of learned_balls.
+"""train.py PATCHES TRUTH OUT: trains the network of learned_balls.
 
 PATCHES: the folder that record_patches wrote; TRUTH: the truth.jsonl of the same frames, from `ssl-visionctl
 simulate` or `annotate`; OUT: balls.onnx. Needs python3-numpy."""
@@ -16,7 +16,7 @@ HIDDEN, ROUNDS, RATE = 12, 600, 0.002
 
 
 def read_patches(folder, truth):
-    """Patches as rows of 0 .. 1 in the order of the camera stage, and 1 for those that show a ball."""
+    """Returns the patches as rows of levels 0 .. 1, in the order that learned_balls uses, and labels (1: a ball)."""
     frames = [json.loads(line)["balls"] for line in open(truth)]
     patches, labels = [], []
     for file in sorted(folder.glob("ball_*.ppm")):
@@ -29,7 +29,7 @@ def read_patches(folder, truth):
 
 
 def turned(patches, labels):
-    """A ball turned or seen in a mirror is a ball: eight examples of each."""
+    """Rotates and mirrors each patch: eight examples instead of one."""
     side = int(round((patches.shape[1] / 3) ** 0.5))
     images = patches.reshape(-1, side, side, 3)
     all_ways = [np.rot90(way, turns, (1, 2)) for way in (images, images[:, :, ::-1]) for turns in range(4)]
@@ -37,14 +37,14 @@ def turned(patches, labels):
 
 
 def run(weights, patches):
-    """The hidden layer, and how much each patch shows a ball."""
+    """Returns the hidden layer, and for each patch the confidence that it shows a ball."""
     w1, b1, w2, b2 = weights
     hidden = np.maximum(patches @ w1 + b1, 0)
     return hidden, 1 / (1 + np.exp(-(hidden @ w2 + b2)[:, 0]))
 
 
 def train(patches, labels):
-    """Two layers, by Adam (Kingma and Ba, 2015) on the cross entropy in which balls and others weigh the same."""
+    """Trains two layers with Adam (Kingma and Ba, 2015). Balls and others weigh the same in the cross entropy."""
     chance = np.random.default_rng(1)
     size = patches.shape[1]
     weights = [
@@ -69,7 +69,7 @@ def train(patches, labels):
 
 
 def field(number, value):
-    """A field of a protobuf message: a whole number, a text, or bytes (also of a message)."""
+    """Encodes a field of a protobuf message: an integer, a text, or bytes (also of a message)."""
 
     def varint(n):
         return bytes([n]) if n < 128 else bytes([n & 127 | 128]) + varint(n >> 7)
@@ -81,7 +81,7 @@ def field(number, value):
 
 
 def onnx(weights):
-    """The network as an ONNX file (onnx.proto3): Gemm, Relu, Gemm, Sigmoid."""
+    """Encodes the network as an ONNX file (onnx.proto3): Gemm, Relu, Gemm, Sigmoid."""
 
     def tensor(name, values):
         return field(
@@ -108,7 +108,7 @@ def onnx(weights):
 
     turned = field(
         5, field(1, "transB") + field(3, 1) + field(20, 2)
-    )  # a row of weights for each output, as PyTorch has it
+    )  # a row of weights for each output, as in PyTorch
     graph = (
         node("Gemm", ["patch", "w1", "b1"], "sums", turned)
         + node("Relu", ["sums"], "hidden")
@@ -128,7 +128,7 @@ def main():
     patches, labels = read_patches(pathlib.Path(sys.argv[1]), sys.argv[2])
     if not 0 < labels.sum() < len(labels):
         sys.exit(f"{len(labels)} patches, {int(labels.sum())} of balls: there must be balls and others")
-    # Every fifth is kept apart, to say how good the network is on what it has not seen.
+    # Every fifth patch is not used for training, but to measure the network on unseen data.
     is_apart = np.arange(len(labels)) % 5 == 0
     weights = train(*turned(patches[~is_apart], labels[~is_apart]))
     right = (run(weights, patches[is_apart])[1] > 0.5) == (labels[is_apart] > 0)

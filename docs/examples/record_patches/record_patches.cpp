@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a small PPM of each ball (and robot) that was found, to train detectors with. Its name says what it
-// is: KIND_CAMERA_FRAME_X_Y_CONFIDENCE.ppm, with the place in mm.
+// Writes a small PPM image of each detected ball (and robot), to train detectors with. File names:
+// KIND_CAMERA_FRAME_X_Y_CONFIDENCE.ppm, with the position in mm.
 #include "../metric_patch.h"
 
 #include <cstdio>
@@ -53,10 +53,10 @@ class RecordPatches {
     Patch patch;
   };
 
-  /// On a thread of its own: a disk may hang, and the camera's thread must not wait for it.
+  /// Runs on a thread of its own, because a disk may hang, and the camera's thread must not wait for it.
   void write_all(const std::stop_token& stop) {
     for (bool is_last = false; !is_last;) {
-      is_last = stop.stop_requested();  // and writes what is left
+      is_last = stop.stop_requested();  // then writes the rest of the queue first
       const std::uint32_t mark = bell_.mark();
       for (; const Record* one = queue_.to_read(); queue_.read()) {
         std::ofstream file(folder_ / one->name.data(), std::ios::binary);
@@ -68,13 +68,13 @@ class RecordPatches {
     }
   }
 
-  // No setting: who may change settings over the network must not choose where this computer writes.
+  // Not a setting: a person who changes settings over the network must not choose a folder to write to.
   const char* const set_ = std::getenv("SSLV_PATCHES");
   const std::filesystem::path folder_{set_ == nullptr ? "" : set_};
   SlotQueue<Record, 1024> queue_;
   Bell bell_;
   std::size_t dropped_ = 0;
   std::atomic<bool> is_failing_{false};
-  std::jthread writer_{[this](const std::stop_token& stop) { write_all(stop); }};  // last, so it ends first
+  std::jthread writer_{[this](const std::stop_token& stop) { write_all(stop); }};  // last: destroyed first
 };
 SSLV_STAGES(stage<RecordPatches>("record_patches", "writes images of balls and robots for training"))

@@ -6,7 +6,7 @@ import {
 
 const CONTROL_PORT = 3956, ANSWER_MS = 10_000;
 
-/** Far from the camera's own frame numbers, which would otherwise be late. */
+/** Far from the camera's own frame numbers: just below a forged one, they would count as late. */
 let frame = 0x4000;
 const leaderOf = (parts, type) => extendedGvsp(LEADER, ++frame, 0, partsLeader(parts, type), parts.length);
 const trailer = (id) => extendedGvsp(TRAILER, frame, id);

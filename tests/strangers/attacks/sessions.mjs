@@ -8,9 +8,9 @@ export default {
   async run({ ask, passwords, isOver, pause, check, random }) {
     const { admin } = await ask.cookies();
     for (let round = 0; !isOver(); ++round) {
-      // Few wrong ones: an address that has used up its attempts cannot open sessions either.
+      // Few wrong passwords: an address that has used up its attempts cannot open sessions either.
       const password = random.below(20) ? passwords.viewer : `guess ${random.below(1e6)}`;
-      // This computer's own attempts are counted separately. Leaves some of them for other sign-ins from here.
+      // Attempts from this computer are counted separately; most attempts here are from outside, to leave it some.
       const { status, headers } = await ask('POST', 'api/session', { body: { password }, outside: round % 10 > 0 });
       if (status === 200) opened.push(headers['set-cookie'][0].split(';')[0]);
       await ask('PATCH', 'api/settings', { body: [{ op: 'replace', path: '/site', value: 'Stolen' }], outside: true });

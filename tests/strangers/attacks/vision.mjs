@@ -3,7 +3,7 @@ import { detection, geometry } from '../wire.mjs';
 
 const robots = (random, more = {}) => Array.from({ length: random.below(12) }, () => ({ id: random.below(16), x: (random.next() - 0.5) * 9000, y: (random.next() - 0.5) * 6000, ...more }));
 
-/** Camera 21 is at a height of 500 mm, and camera 20 reports a robot of that height, which is in 21's own plane. */
+/** Camera 21 is at a height of 500 mm; both cameras report a robot of that height, so its plane contains camera 21. */
 function* dividesByNothing(random) {
   yield geometry({ cameras: [{ camera: 20, z: 4000 }, { camera: 21, z: 500, x: 100 }] });
   const id = random.below(6);
@@ -22,7 +22,7 @@ function* senseless(random) {
   yield geometry({ length: n() || 1, fieldWidth: n() || 1, cameras: [{ camera: 20, x: n(), y: n(), z: n(), focal: n(), distortion: n(), width: random.below(70_000), height: random.below(70_000) }] });
   yield detection({ camera: 20, yellow: Array.from({ length: 1000 }, (_, id) => ({ id })), balls: Array.from({ length: 500 }, () => ({})) });
 }
-/** Also with the ids of our own cameras. */
+/** Detections beside our own, some with the ids of our own cameras. */
 function* aside(random) {
   yield geometry({ cameras: [{ camera: 30, z: 4000 }] });
   yield detection({ camera: random.pick([0, 1, 30]), yellow: robots(random), blue: robots(random), balls: [{ x: random.below(3000) }] });

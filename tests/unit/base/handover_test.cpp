@@ -49,7 +49,7 @@ TEST(Handover, AReaderHoldsAVersionForAsLongAsItLikes) {
   EXPECT_EQ(*held, 1);
 }
 
-/// Both members are equal until it is destroyed.
+/// Both members are equal until the pair is destroyed.
 struct Pair {
   explicit Pair(int value) : a(value), b(value) {}
   ~Pair() { a = -1, b = -2; }

@@ -27,7 +27,7 @@ MeanPicture mean_of(const FloorPicture& picture) {
 /// Small images (see FloorSetting), unless a test needs larger ones.
 constexpr int kSize = 3;
 
-/// The camera's calibration with a wrong position, as an admin has it: off by about 1.3 * `by_mm`.
+/// The camera's calibration with a wrong position, like an admin's: off by about 1.3 * `by_mm`.
 CameraCalibration spoilt(LensCamera camera, double by_mm) {
   camera.position_mm += Eigen::Vector3d(by_mm, -0.5 * by_mm, 0.6 * by_mm);
   return publish(camera).calibration;
@@ -94,7 +94,7 @@ TEST_F(CalibrateJointly, CamerasAgreeAfterwards) {
   EXPECT_LT(overlap_mm(report, 150), 0.9);
   EXPECT_LT(field_error_mm(a_, lens_camera(report.cameras[0].calibration), asked.field, 0), 2);
   EXPECT_LT(field_error_mm(b_, lens_camera(report.cameras[1].calibration), asked.field, 0), 2);
-  // The report says so; `before_mm` is with the current calibrations.
+  // The report has figures for all of this; `before_mm` is with the current calibrations.
   ASSERT_TRUE(report.on_floor && report.of_robots);
   EXPECT_GT(report.overlapping_patches, 50);
   EXPECT_EQ(report.ties, static_cast<int>(asked.ties.size()));
@@ -181,7 +181,7 @@ TEST_F(CalibrateJointly, CamerasThatSeeNothingInCommonAreNotAccepted) {
   FloorSetting quarter;  // a small image of it would show too few lines
   quarter.view = FloorView::kQuarter;
   LensCamera a = floor_camera(quarter);
-  constexpr int kOverlapPx = 200;  // cut off its left side
+  constexpr int kOverlapPx = 200;  // removed from its left side
   a.center_x -= kOverlapPx;
   a.width -= kOverlapPx;
   const LensCamera b = turned_round(a);

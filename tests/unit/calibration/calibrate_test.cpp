@@ -231,7 +231,7 @@ TEST(Calibrate, SaysWhenBothEndsLookAlike) {
 }
 
 TEST(Calibrate, AWrongClickIsNamedAndDoesNoHarm) {
-  for (const std::size_t wrong : {0U, 3U}) {  // on the halfway line, and a corner
+  for (const std::size_t wrong : {0U, 3U}) {  // a point on the halfway line, and a corner
     CalibrationTask task = clicked(half(), kHalfCorners);
     task.clicks[wrong].pixel += Eigen::Vector2d(37, -48);
     const CalibrationReport report = calibrate(half().picture, task);
@@ -346,7 +346,7 @@ TEST(Calibrate, DoesWithoutSomeLines) {
   floor.measured = LinesMeasured::kToOuterEdge;
   const Shot shot = take({}, floor);
   CalibrationTask task = clicked(shot, kHalfCorners);
-  task.measured = floor.measured;  // too few lines to find this out
+  task.measured = floor.measured;  // too few lines to detect this
   const CalibrationReport report = calibrate(shot.picture, task);
   EXPECT_TRUE(report.accepted);
   EXPECT_LT(shot.floor_error_mm(report), 0.2);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kWindowMm = 250;
 
-/// Verdict on the lines of an image, searched with this calibration and these field sizes.
+/// Verdict on the lines of an image, for this calibration and these field sizes.
 LinesVerdict looked_for(const FloorPicture& picture, const LensCamera& calibrated, const FieldSize& sizes) {
   const auto curves = painted_curves(sizes);
   return judge_lines(

@@ -23,7 +23,7 @@ struct Pair {
 /// Image sizes (see FloorSetting): small unless a test's bounds need larger ones.
 constexpr int kUsual = 0, kSmall = 3;
 
-/// Two cameras over the halves of a field, refined separately. `given`: how exact its lines are.
+/// Two cameras over the halves of a field, refined separately. `given`: the field and its lines' errors.
 Pair two_halves(int size, const PaintedFloor& given) {
   Pair out;
   out.a = floor_camera({size});
@@ -85,7 +85,7 @@ TEST(RefineJointly, CamerasAgreeWhereBothSee) {
     EXPECT_LT(overlap_mm(joint.cameras[0], joint.cameras[1], 0), 0.7);
     EXPECT_LT(overlap_mm(joint.cameras[0], joint.cameras[1], 0), before_mm);
     EXPECT_LT(overlap_mm(joint.cameras[0], joint.cameras[1], 150), 0.8);
-    // The result says so.
+    // The result's own figures agree.
     EXPECT_GT(joint.overlapping_patches, 50);
     EXPECT_LT(joint.disagreement_mm, joint.disagreement_before_mm);
     // The field as a whole stays aligned with its lines.
@@ -115,7 +115,7 @@ TEST(RefineJointly, OneCameraHasNobodyToDisagreeWith) {
 TEST(RefineJointly, AStopEndsTheSolver) {
   const Pair& pair = exact_halves();
   ASSERT_EQ(pair.seen.size(), 2U);
-  // So many ties that one solver step takes seconds.
+  // With this many ties, one solver step takes seconds.
   std::vector<OverlapTie> ties;
   for (const OverlapTie& tie : robots_in_both(pair)) ties.insert(ties.end(), 30, tie);
   std::stop_source stop;

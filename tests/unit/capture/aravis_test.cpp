@@ -158,7 +158,7 @@ GigeServer::Pack packed_p(std::size_t bits) {
   };
 }
 
-/// Expects the pattern that packed_p() and similar functions put below the upper eight bits.
+/// Expects the pattern that packed_p() and similar functions write below the upper eight bits.
 void expect_low_bits(const ImageView& view, std::size_t bits) {
   ASSERT_NE(view.to_low_bits, 0);
   const std::uint8_t* low = view.data + view.to_low_bits;
@@ -216,7 +216,7 @@ TEST_F(Gige, ForgedPacketsShowNothingAndEndNothing) {
   send({leader(gvsp_image_leader(320, 240, kGvspMono8, kGvspImage | kGvspWithChunks)), trailer(1)});
   send({leader(gvsp_multipart_leader({{320, 240, kBytes}}, kGvspMultipartImage | kGvspWithChunks), 1),
         trailer(1)});
-  // Numbers by which the library allocates memory or chooses where to copy.
+  // Numbers from which the library computes sizes of memory and places to copy to.
   send({trailer(0xfffffffe)});
   send(
       {trailer(0xffffff), gvsp_extended_packet(GvspKind::kPayload, frame, 0xfffff0, std::string(1000, 'x'))});
@@ -417,7 +417,7 @@ TEST_F(Gige, PicturesHaveTimes) {
   EXPECT_LT(first.times.t_capture_s, second.times.t_capture_s);
   ASSERT_TRUE(first.times.t_capture_camera_s && second.times.t_capture_camera_s);
   EXPECT_LT(*first.times.t_capture_camera_s, *second.times.t_capture_camera_s);
-  // Until the camera's clock is known, the time comes from the arrival alone.
+  // Until the camera's clock is known, only the arrival determines the time.
   EXPECT_FALSE(first.times.t_capture_sigma_s);
   EXPECT_TRUE(test::becomes([&] { return next_picture(*source).times.t_capture_sigma_s.has_value(); }));
 }
@@ -776,10 +776,10 @@ TEST_F(Gige, ASilentCameraIsLost) {
   }
   EXPECT_EQ(status, CaptureStatus::kLost);
   EXPECT_EQ(problem, "camera \"127.0.0.1\": no image for 1 s");
-  plug_in();  // otherwise closing waits for answers
+  plug_in();  // otherwise closing would wait for answers
 }
 
-/// A restarted camera does not know this client any more; only its answers to the heartbeat show that.
+/// A restarted camera no longer knows this client; only its answers to the heartbeat show that.
 TEST_F(Gige, ARestartedCameraIsLost) {
   const auto source = open({{"silence_s", 3600}});
   next_picture(*source);
@@ -846,8 +846,8 @@ std::string card_address() {
   return "";
 }
 
-/// Two cameras that differ only in width. No images are captured: a packet socket receives none that a
-/// machine sends to its own card.
+/// Two cameras that differ only in width. No images are captured, because a packet socket does not receive
+/// what a machine sends to its own card.
 TEST(AravisSerials, CamerasThatSwapAddressesKeepTheirNames) {
   const std::string other_address = card_address();
   if (other_address.empty()) GTEST_SKIP() << "no network card for the second camera";
@@ -856,7 +856,7 @@ TEST(AravisSerials, CamerasThatSwapAddressesKeepTheirNames) {
     server->set_defaults(width, 48, PixelFormat::kMono8, 100);
     return server;
   };
-  // The results of the last search stay in use for a moment.
+  // The results of the last search are reused for a moment.
   const auto width_of = [](const std::string& serial) {
     int width = 0;
     test::becomes([&] {

@@ -387,7 +387,7 @@ TEST_F(CameraThreadTest, WritesFewLinesOfAStorm) {
         2U * kLosses);
   }
   const std::string log = testing::internal::GetCapturedStderr();
-  // Damaged images are logged once a second, and the storm may take several seconds.
+  // Damaged images are logged once a second, and delivering all of them may take several seconds.
   EXPECT_LT(static_cast<double>(std::count(log.begin(), log.end(), '\n')), 20 + steady_s() - begin_s) << log;
 }
 
@@ -544,7 +544,7 @@ TEST_F(CameraThreadTest, StopLeavesACameraBehindThatDoesNotOpen) {
 }
 
 TEST_F(CameraThreadTest, CamerasThatDoNotOpenAreWaitedForTogether) {
-  // So many cameras that waiting for one after the other would exceed kPatience.
+  // With this many cameras, waiting for one after the other would exceed kPatience.
   constexpr CameraDelays kDelays{.stop = milliseconds(2000)};
   constexpr int kCameras = test::kPatience / kDelays.stop + 1;
   camera_->block_opening();

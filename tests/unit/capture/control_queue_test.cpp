@@ -97,7 +97,7 @@ class MeasuringCamera : public Controls {
   }
   std::mutex mutex_;
   std::vector<Control> all_;
-  std::atomic<int> answers_ = -1;  // that get() still gives; negative: all
+  std::atomic<int> answers_ = -1;  // number of calls of get() that still succeed; negative: all
 };
 
 const Json kNothing = Json::object();
@@ -106,7 +106,7 @@ class ControlQueueTest : public testing::Test {
  protected:
   ControlQueueTest() {
     queue_.begin(nullptr);
-    queue_.list();  // begun
+    queue_.list();  // waits until begin() has read all
   }
 
   std::vector<std::string> unsaved(const Json& saved = kNothing) const {

@@ -457,7 +457,7 @@ TEST_F(Files, UnknownOptionsAreRefused) {
                             "loop": false, "controls": {}})"));
 }
 
-/// Any damaged file gives only images, problems and an end.
+/// Any damaged file yields only images and problems, and then ends.
 TEST_F(Files, NoDamageBringsItDown) {
   write_media(path("good.png"), {picture(0)});
   write_media(path("good.bmp"), {picture(0)});

@@ -431,7 +431,7 @@ TEST(SimulatedCamera, CutAndHiddenThingsAreNotVisible) {
     }
   }
   EXPECT_GT(cut, 10);
-  EXPECT_GT(hidden, 3);  // behind robots
+  EXPECT_GT(hidden, 3);  // some are behind robots
 }
 
 TEST(SimulatedCamera, VisibleShareIsWhatThePictureHolds) {

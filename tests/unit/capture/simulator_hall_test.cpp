@@ -441,7 +441,7 @@ TEST(SimulatorHall, WhatStandsAroundStandsStillInBothPlacements) {
     int changed = 0;
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {
-        // In the image, robots' tops reach 60 mm beyond the lines.
+        // The tops of robots appear up to 60 mm beyond the lines.
         const Eigen::Vector2i a = pixel_of(-1600, -1100), b = pixel_of(1600, 1100);
         if (x >= std::min(a.x(), b.x()) && x <= std::max(a.x(), b.x()) && y >= std::min(a.y(), b.y()) &&
             y <= std::max(a.y(), b.y()))
@@ -473,8 +473,8 @@ TEST(SimulatorHall, NothingAroundReachesOverTheLines) {
 }
 
 TEST(SimulatorHall, BoardsStandUprightAtTheCarpetsRim) {
-  // A camera 4 m above the middle sees the face of a board at x = 1820 mm from there outwards to where its
-  // top hides the floor: 76 to 214 mm further, for heights of 160 to 420 mm.
+  // For a camera 4 m above the middle, the face of a board at x = 1820 mm hides the next 76 to 214 mm of the
+  // floor, for heights of 160 to 420 mm.
   const Picture none = draw(Json::object()),
                 boards = draw(hall({{"around", {{"boards", 1}, {"things", 0}, {"people", 0}}}}));
   int on_carpet_differs = 0, on_face = 0, faces = 0, behind_differs = 0;

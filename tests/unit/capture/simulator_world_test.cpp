@@ -77,7 +77,7 @@ TEST(SimulatedWorld, NothingEverTouchesOrLeavesTheField) {
   }
   EXPECT_GE(nearest_robots, 180 + kSimulatorClearanceMm);
   EXPECT_GE(nearest_ball, 90 + 21.5 + kSimulatorClearanceMm);
-  // The hard cases of a match do occur.
+  // The scenes contain the hard cases of a match.
   EXPECT_LT(nearest_robots, 210);
   EXPECT_LT(nearest_ball, 150);
 }

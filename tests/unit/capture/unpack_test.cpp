@@ -89,7 +89,7 @@ TEST(Unpack, PackedPixelsKeepAllTheirBits) {
   // Six pixels: one and a half groups of "10p".
   const Values ten{0x2AF, 0x155, 0x3FF, 0x000, 0x1C3, 0x23D};
   Bytes from = packed_p(ten, 10);
-  from.resize(8);  // no more is sent, so no more may be read
+  from.resize(8);  // the camera sends no more, so no more may be read
   const Values tens = split_values(
       6, [&](std::uint8_t* to, std::uint8_t* low) { split_packed_10p(from.data(), 6, to, low); });
   for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(tens[i], ten[i] << 6) << i;

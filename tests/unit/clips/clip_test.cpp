@@ -468,7 +468,7 @@ TEST_F(Clip, AnIndexThatLiesIsNotBelieved) {
     ASSERT_EQ(reader.entries().size(), 2U);
     EXPECT_EQ(reader.read(1).info.camera_id, 1U);
   }
-  // Impossible places: the reader searches the file for blocks instead.
+  // With impossible places in the index, the reader searches the file for blocks.
   std::vector<std::vector<ClipIndexLine>> lies{{setup, other, good}, {good, good}};
   for (const std::uint64_t place : {std::uint64_t{0}, std::uint64_t{8}, first + 1, blocks.size() - 8,
                                     blocks.size() + 8, ~std::uint64_t{0}, ~std::uint64_t{0} - 39}) {
@@ -526,7 +526,7 @@ TEST_F(Clip, SizesThatLieAreRefused) {
     ASSERT_EQ(reader.entries().size(), 1U);
     EXPECT_EQ(reader.read(0).info.camera_id, 4U);
   }
-  // A setup with a large number takes no memory.
+  // A setup with a large number does not allocate memory for all smaller numbers.
   write_file("a.clip",
              begin + setup_block(4'000'000'000, "{}") + frame_block(0, {.setup = 4'000'000'000}, "pixels!!"));
   ClipReader reader(path());
@@ -541,7 +541,7 @@ TEST_F(Clip, SizesThatLieAreRefused) {
   EXPECT_EQ(ClipReader(path()).entries().size(), 0U);
 }
 
-/// Written by an earlier version, which could store parts of images: those of each camera's last two frames.
+/// Written by an earlier version, which could store parts of images, as in each camera's last two frames.
 TEST_F(Clip, OfImagesInPartsTheRestIsRead) {
   ClipReader reader(source_path("/tests/golden/parts.clip"));
   EXPECT_EQ(reader.problem(), "");
@@ -704,7 +704,7 @@ TEST_F(Clip, OpeningReadsNoImages) {
       << "each frame is a line of the index, which is summed first";
 }
 
-/// A sparse file: only data that is put there takes space on the disk.
+/// A sparse file: only written data needs space on the disk.
 class SparseFile {
  public:
   explicit SparseFile(const fs::path& path)

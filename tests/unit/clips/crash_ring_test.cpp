@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The memory of an ImageRing that a crashed process leaves to the next one.
+// The memory of an ImageRing that the next process inherits from a crashed one.
 #include "clips/clip_format.h"
 #include "clips/image_ring.h"
 #include "support/clip_images.h"

@@ -48,7 +48,7 @@ bool has_note(const LearntColors& learnt, const std::string& part) {
   return false;
 }
 
-/// Expects the learnt table to find robots and a ball at other places than in the image that it was learnt
+/// Expects the learnt table to find robots and a ball at places other than in the image that it was learnt
 /// from.
 void expect_finds_others(const LearntColors& learnt, const SimulatorOptions& options, int yellow = 4,
                          int blue = 4) {
@@ -217,7 +217,7 @@ TEST(LearnColors, WrongThingsTeachNothing) {
   expect_finds_others(with, plain_options());
 }
 
-/// What cones, hands and boards look like from above.
+/// Orange objects as cones, hands and boards appear from above.
 TEST(LearnColors, OrangeThingsOfABallsSizeThatAreNotRoundTeachNoOrange) {
   using Shape = SimulatedDistractor::Shape;
   for (const PixelFormat format : {PixelFormat::kUyvy, PixelFormat::kRgb24, PixelFormat::kBayerRg8}) {

@@ -18,7 +18,8 @@ using ::testing::HasSubstr;
 
 constexpr double kPeriodS = 0.2;
 
-/// The middle half of overhead_camera()'s image each way, since drawing takes most of the time.
+/// The centre of overhead_camera()'s image, half as wide and half as high, because drawing takes most of the
+/// time.
 CameraCalibration near_camera() {
   CameraCalibration c = overhead_camera();
   c.principal_point_x = 194.5, c.principal_point_y = 144.5;

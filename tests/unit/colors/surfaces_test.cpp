@@ -90,7 +90,8 @@ Lut green_within(int min_y, int max_y) {
   return Lut(table_of([=](Yuv c) { return c.y >= min_y && c.y <= max_y ? label::kGreen : label::kClear; }));
 }
 
-/// Share of a surface's pixels with the label in some light, counted in an image; margins predict it.
+/// Share of a surface's pixels with the label in some light, counted in an image, to compare with the
+/// margins' prediction.
 double share_with(Label label, const Lut& lut, const Hall& hall, SurfaceKind kind, double light) {
   const std::vector<std::uint8_t> bytes = hall.expose(light);
   double count = 0, all = 0;
@@ -104,7 +105,7 @@ double share_with(Label label, const Lut& lut, const Hall& hall, SurfaceKind kin
   }
   return count / all;
 }
-/// The first light, in factors of `step` from 1, in which more than kFloodShare of the surface has the label.
+/// The first of the lights 1, step, step^2, ... in which more than kFloodShare of the surface has the label.
 double first_light(Label label, const Lut& lut, const Hall& hall, SurfaceKind kind, double step) {
   double light = 1;
   while (share_with(label, lut, hall, kind, light) <= kFloodShare) light *= step;

@@ -15,7 +15,7 @@ namespace {
 using ::testing::IsEmpty;
 using ::testing::UnorderedElementsAre;
 
-/// The demo's colour classes, with labels replaced by `other` and all hues rotated by `by_deg`.
+/// The demo's colour classes, with labels replaced as in `other` and all hues rotated by `by_deg`.
 ColorSettings demo_colors(const std::map<std::string, std::string>& other = {}, int by_deg = 0) {
   const Json demo = Json::parse(std::ifstream(source_path("/config/demo.json")));
   ColorSettings out;

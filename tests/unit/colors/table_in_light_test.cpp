@@ -94,8 +94,8 @@ TEST(TableInLight, AreasOfOtherLightCountToo) {
 }
 
 TEST(TableInLight, WhatIsNamedBackgroundStaysThatInAreasOfOtherLight) {
-  // Carpet in average light and green in the darkest area look alike: the label in average light, carpet,
-  // wins.
+  // Carpet in average light and green in the darkest area have the same colour: the label in average light,
+  // carpet, wins.
   std::vector<Label> labels(Lut::kEntries, label::kClear);
   const auto paint = [&](Rgb color, Label label) {
     const Yuv c = to_yuv(color);

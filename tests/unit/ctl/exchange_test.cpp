@@ -210,7 +210,7 @@ TEST(Exchange, AnAnswerThatNeverComesToItsEndIsNotWaitedFor) {
   limits.header = limits.whole = std::chrono::milliseconds(300);
   for (const char* head : {"", "HTTP/1.1 200 OK\r\n", "HTTP/1.1 200 OK\r\nContent-Length: 1000000\r\n\r\n"}) {
     const Server server([head](const Server::Send& send) {
-      // A byte now and then counts neither as silence nor as the end.
+      // Single bytes prevent the timeout for silence, so a limit for the whole answer must apply.
       for (bool more = send(head); more;) {
         more = send("x");
         ::poll(nullptr, 0, 10);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How ssl-visionctl shows the daemon's answers to people.
+// The daemon's answers as ssl-visionctl prints them for people.
 #include "base/plain_text.h"
 #include "ctl/client.h"
 #include "ctl/colors.h"

@@ -143,8 +143,8 @@ TEST(Jpeg, ShrinksToOnePixel) {
   }
 }
 
-/// Scaling down averages: fine black and white lines become grey. If single pixels were picked, lines would
-/// vanish.
+/// Scaling down averages pixels: fine black and white lines become grey. Picking single pixels would lose
+/// lines.
 TEST(Jpeg, AveragesFineDetail) {
   std::vector<std::uint8_t> bytes(64 * 64);
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = i % 2 ? 255 : 0;

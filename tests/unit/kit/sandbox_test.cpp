@@ -69,8 +69,8 @@ Supervisor::Options patient() {
   options.longest_silence = options.min_deadline = kPatience;
   return options;
 }
-/// Images wait until their stage's deadline. A process that is silent for longer than `longest_silence` is
-/// ended.
+/// Each image waits for its stage until the deadline. A process that is silent for longer than
+/// `longest_silence` is ended.
 Supervisor::Options with_deadlines(std::chrono::milliseconds longest_silence) {
   Supervisor::Options options = patient();
   options.longest_silence = longest_silence;
@@ -736,7 +736,7 @@ TEST(SandboxedStage, ResultsWithoutSenseAreLeftOut) {
   }
 }
 
-/// As with a stage inside the service, the other results of the image are used.
+/// The image's other results are used, as with a stage inside the service.
 TEST(SandboxedStage, ARobotWithoutSenseIsLeftOutAlone) {
   Troubled troubled(Trouble::kBadId);
   for (int i = 0; i < 10; ++i) troubled.frame();
@@ -755,7 +755,7 @@ TEST(SandboxedStage, ItsProcessIsNotEndedForWhatTheServiceHasNoRoomFor) {
   Images images(1);
   const std::vector<pid_t> before = stage_processes();
   ASSERT_EQ(before.size(), 1u);
-  // Larger than the memory shared with the process, and not itself in shared memory.
+  // This image is larger than the memory shared with the process, and not in shared memory itself.
   const std::vector<std::uint8_t> pixels(std::size_t{16'384} * 4100);
   const Image large({pixels.data(), 16'384, 4100, 16'384, PixelFormat::kMono8, 0}, nullptr, nullptr, nullptr);
   for (int i = 0; i < 10; ++i) camera.process(Image(large.view(), nullptr, nullptr, nullptr), {});
@@ -900,7 +900,7 @@ TEST(SandboxedStage, EndsWithTheServiceAlsoWhenItHangs) {
   ::close(pidfd);
 }
 
-/// A stage's process inherits nothing from the service that it was not given.
+/// A stage's process inherits only what the service passes to it explicitly.
 TEST(SandboxedStage, ItsProcessHasNoMoreThanItNeeds) {
   const int secret = ::open("/dev/null", O_RDONLY);  // without O_CLOEXEC
   Troubled troubled(Trouble::kNone);

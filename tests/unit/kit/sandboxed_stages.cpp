@@ -36,7 +36,7 @@ void scribble(std::uint64_t seed) {
   for (;;) {
     seed = seed * 6364136223846793005U + 1442695040888963407U;
     const std::size_t at = (seed >> 33U) % (kBytes / 4);
-    // The service reads all of the first 16 words: hit them often.
+    // The service reads all of the first 16 words, so these are written most often.
     words[seed % 3 == 0 ? at % 16 : at] = static_cast<std::uint32_t>(seed >> (seed % 32));
   }
 }

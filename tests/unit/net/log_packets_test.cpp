@@ -52,7 +52,7 @@ TEST(LogPackets, EveryPacketOfARealMatchReadsAndWritesBackTheSame) {
   EXPECT_GT(counts.geometries, 0);
 }
 
-// Our own packets, logged as the league's logger does it: a test that needs no recorded match.
+// Our own packets, logged as by the league's logger: this test needs no recorded match.
 TEST(LogPackets, EveryPacketOfOursReadsAndWritesBackTheSame) {
   CameraCalibration calibration;
   calibration.focal_length = 600;
@@ -79,7 +79,7 @@ TEST(LogPackets, EveryPacketOfOursReadsAndWritesBackTheSame) {
                       robots, balls, 1e9 + 0.01 * i, packet);
     }
     const auto payload = serialize(packet, buffer);
-    // Some messages are a tracker's.
+    // Some messages are from a tracker.
     const std::int32_t type = i % 5 == 3 ? LoggedMessage::kTracker2020 : LoggedMessage::kVision2014;
     out.add(1'000'000'000LL * i, type, payload);
   }

@@ -181,7 +181,7 @@ TEST(MulticastReceiver, HandsOnOnceWhatComesBothWays) {
       return arrivals.size() == 1 && arrivals[0].by_broadcast &&
              arrivals[0].by_multicast == (other_way == GroupListener::kGroup);
     }));
-    // A packet that arrives only one way is delivered, too: it is not a duplicate of an earlier one.
+    // A packet that arrives in only one of the two ways is also delivered: it is not a duplicate.
     MulticastSender alone(settings_for(group));
     send(alone, "the last");
     EXPECT_EQ(heard.next(), "the last") << "a copy came first";

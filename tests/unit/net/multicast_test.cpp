@@ -48,7 +48,7 @@ TEST(Multicast, SetsTheTtl) {
 TEST(Multicast, TwoProcessesSendAndTwoProgramsListenOnOnePort) {
   GroupListener first;
   GroupListener second(first.port());
-  // Fork before this process has threads: otherwise a sanitizer allows the child none.
+  // Fork before this process has threads: otherwise a sanitizer does not allow the child to start any.
   const int status = in_child([&] {
     MulticastSender there(settings_for(first));
     return send(there, "there") ? 0 : 1;
@@ -223,7 +223,7 @@ TEST(Multicast, ABroadcastAddressThatComesAndGoesChangesNothingForTheGroup) {
     if (!set_loopback(SIOCSIFNETMASK, "255.0.0.0")) return kNoNamespaces;
     if (!test::becomes([&] { return sender.status().error.empty(); })) return 2;
     if (!send(sender, "x") || !listener.receive()) return 3;
-    if (listener.last_sender_port() != port) return 4;  // for a late reader it would be another sender's
+    if (listener.last_sender_port() != port) return 4;  // otherwise the packet is from an earlier sender
     if (!set_loopback(SIOCSIFNETMASK, "255.255.255.0")) return kNoNamespaces;
     if (send(sender, "x") || !listener.receive()) return 5;
     const MulticastStatus now = sender.status();
@@ -264,8 +264,8 @@ TEST(Multicast, ThreadsSendWhileSettingsChange) {
   EXPECT_GT(sender.status().packets_sent, 0U);
 }
 
-/// True if the packet was sent, or failed only because the kernel's queue was full, as happens on a busy
-/// computer.
+/// True if the packet was sent, or was not sent only because the kernel's queue was full, which happens on a
+/// busy computer.
 bool goes(MulticastSender& sender, std::span<const std::byte> packet) {
   return sender.send(packet) || errno == EWOULDBLOCK;
 }

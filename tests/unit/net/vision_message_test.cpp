@@ -79,7 +79,7 @@ TEST(VisionMessage, LeavesOutSightingsOutsideTheLimits) {
   EXPECT_EQ(message->detection->arrived.left_out, 10U);
 }
 
-/// The limits keep sums and differences of two clocks finite.
+/// Within the limits, sums and differences of two clocks are finite.
 TEST(VisionMessage, HasNoTimesOutsideTheLimits) {
   for (const double t_s : {1e12, -1e308, std::numeric_limits<double>::infinity(), std::nan("")}) {
     SSL_WrapperPacket packet = detection(1, 1);

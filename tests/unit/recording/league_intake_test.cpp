@@ -114,7 +114,7 @@ TEST(LeagueShare, OneSenderLeavesHalfToTheOthers) {
   while (share.take(kSender, 84, 50)) {
   }
   EXPECT_TRUE(share.take(kSender + 1, 84, 50));
-  // All senders together never get more than the total, however many there are.
+  // However many senders there are, they never record more than the total limit.
   std::size_t taken = 0;
   for (std::uint32_t sender = 0; sender < 1000; ++sender) taken += share.take(sender, 84, 50) ? 100 : 0;
   EXPECT_EQ(taken, 1900U);

@@ -97,7 +97,7 @@ void expect_same(const LoggedMessage& a, const LoggedMessage& b) {
   EXPECT_EQ(a.bytes, b.bytes);
 }
 
-/// A log's messages, and why reading stopped.
+/// A log's messages, and the reason why reading stopped.
 struct WasRead {
   std::vector<LoggedMessage> messages;
   std::string problem;

@@ -131,7 +131,7 @@ void pack_at_once(const std::filesystem::path& from, const std::filesystem::path
   deflateEnd(&zlib);
 }
 
-/// Other recorders' logs can only be read from the beginning: that is done once, in the background.
+/// Other recorders' logs can only be read from the beginning, which happens once, in the background.
 TEST_F(MatchMomentTest, OfALogInOnePieceIsFoundInLittleTime) {
   const auto whole = folder_.path() / "theirs.log.gz";
   pack_at_once(file(), whole);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same frames give the same packets: after recording, from the middle of a run, and on another CPU.
+// The same frames yield the same packets: after recording, from the middle of a run, and on another CPU.
 #include "replay/replay_clip.h"
 
 #include "colors/table_in_light.h"
@@ -268,7 +268,7 @@ TEST_P(ReplayOnTarget, FindsTheSame) {
       }
       ASSERT_EQ(frame.robots.robots.size(), robots[at].robots.size()) << here;
       for (std::size_t k = 0; k < frame.robots.robots.size(); ++k) {
-        // Robots of equal confidence may come in another order.
+        // Robots of equal confidence may be in another order.
         const Robot& b = frame.robots.robots[k];
         const auto a = std::ranges::find_if(
             robots[at].robots, [&](const Robot& robot) { return robot.team == b.team && robot.id == b.id; });

@@ -127,7 +127,7 @@ TEST(BoundedPatch, WhatAnOperationDoesNotUseIsIgnored) {
   EXPECT_EQ(apply_patch({{"a", 1}}, Json::array({add})), Json({{"a", 1}, {"b", 1}}));
 }
 
-/// Generates small documents, and patches that mostly fit them.
+/// Generates small documents, and patches whose paths mostly exist in them.
 class Chance {
  public:
   explicit Chance(unsigned seed) : random_(seed) {}

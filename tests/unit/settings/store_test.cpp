@@ -464,7 +464,7 @@ TEST_F(Store, AReloadOfWhatIsInForceIsNoStep) {
   EXPECT_EQ(store.reload(must_not).revision, 1u);
   EXPECT_FALSE(std::filesystem::exists(saved_));
   set(store, "a", 5);
-  write(admin_file_, R"({"a": 5})");  // the admin's file now has the panel's change
+  write(admin_file_, R"({"a": 5})");  // the admin's file now contains the panel's change
   EXPECT_EQ(store.reload(must_not).revision, 2u);
   EXPECT_EQ(store.history().size(), 1u);
   write(admin_file_, R"({"a": 6})");
@@ -518,7 +518,7 @@ TEST_F(Store, ChangesOfACameraAreNotPutOntoAnother) {
             Json::parse(R"([{"id": 0, "x": 2}, {"id": 1, "x": 5}, {"id": 2, "x": 1}])"));
 }
 
-/// Version 1 called "a" "old_a"; version 2 counted it from 1.
+/// In version 1, "a" was named "old_a"; in version 2, it was counted from 1.
 const Migrations kTwoMigrations{[](Json& tree) {
                                   if (!tree.is_object() || !tree.contains("old_a")) return;
                                   tree["a"] = tree["old_a"];

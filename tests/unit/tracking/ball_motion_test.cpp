@@ -95,7 +95,7 @@ TEST_F(KickFit, FindsAShotAlongTheFloor) {
 }
 
 TEST_F(KickFit, FindsABallInTheAirOfWhichNothingIsKnown) {
-  // It bounced off a wall, and falls.
+  // The ball has bounced off a wall and is falling.
   const BallShot shot{100, {500, -300}, {-1500, 900, 500}, 400};
   const auto points = seen(shot, 16);
   const auto flight = find_flight(points, model_);

@@ -140,8 +140,8 @@ TEST_F(TwoCameras, NumbersOfRobotsHaveAnEnd) {
 
 TEST_F(TwoCameras, ARobotAsHighAsAnotherCameraHarmsNothing) {
   play(25, {2, -1});
-  // One camera hangs at 500 mm, and another one reports a robot of that height. The robot is new, because
-  // each image of a new one is compared.
+  // One camera hangs at 500 mm, and another one reports a robot of that height. The test uses a new robot,
+  // because a new robot is compared in each image.
   const RobotName high{Team::kBlue, 9};
   agreement_.set_camera(21, {0, 0, 500}, true);
   for (int i = 0; i < 4; ++i, t_s_ += 0.01) {
@@ -189,7 +189,7 @@ class ManyCameras : public testing::Test {
     bool is_of_other_computer;
     Vector2d off_mm;
     double late_s = 0;
-    double swings_mm = 0;  // amplitude of a swing that causes outliers again and again
+    double swings_mm = 0;  // amplitude of a swing that repeatedly causes outliers
   };
   static constexpr RobotName kRobot{Team::kYellow, 4};
 

@@ -49,7 +49,7 @@ TEST(Smoother, KnowsLaterWhatNoFilterKnowsAtOnce) {
 
 TEST(Smoother, TellsEveryKickHoweverSoonTheNextOneFollows) {
   worlds::WorldOptions options;
-  options.seed = 46;  // three kicks within two seconds of the one before
+  options.seed = 46;  // with three kicks less than two seconds after the previous one
   options.duration_s = 20;
   const worlds::World world(options);
   constexpr double kLong_s = 2;

@@ -301,7 +301,7 @@ TEST_F(RobotOfTwoComputers, IsLeftToTheOtherOneWhenThisOnesCamerasAreGone) {
     they_see(1000);
     ASSERT_NEAR(x_mm(), 1000, 1) << i;
   }
-  for (int i = 0; i < 150; ++i) they_see(1000 + 25 * i);  // for two seconds, it is open which one is right
+  for (int i = 0; i < 150; ++i) they_see(1000 + 25 * i);  // for two seconds, either camera may be right
   for (int i = 150; i < 160; ++i) {
     they_see(1000 + 25 * i);
     EXPECT_NEAR(x_mm(), 1000 + 25 * (i + 1), 5) << i;
@@ -338,12 +338,12 @@ TEST_F(RobotOfTwoComputers, DrivesOnToWhereOnlyTheOtherOneSeesIt) {
     only_they_see(4200 + 20 * i + 20);  // calibrations differ
     ASSERT_NEAR(x_mm(), 4200 + 20 * (i + 1), 30) << i;
   }
-  // This computer's cameras have not seen it for a while: the other one may be right.
+  // This computer's cameras have not seen the robot for a while: the other computer may be right.
   for (int i = 0; i < 20; ++i) only_they_see(-2000);
   EXPECT_NEAR(x_mm(), -2000, 1);
 }
 
-/// A robot's largest speed and acceleration, with calibrations that differ.
+/// The robot has the maximum speed and acceleration, and the cameras' calibrations differ.
 TEST_F(RobotOfTwoComputers, IsNotLostWhenItTurnsRoundWhereOnlyTheOtherOneSeesIt) {
   for (const double acceleration_mm_s2 : {-6500.0, 6500.0}) {
     tracker_ = {};

@@ -28,7 +28,7 @@ BallEvidence good_ball() {
   return e;
 }
 
-/// Confidence never falls (or, if not `rises`, never rises) while one number of the evidence grows.
+/// Expects that confidence never falls (if not `rises`: never rises) while one number of the evidence grows.
 template <class Evidence>
 void expect_monotone(const Evidence& good, double Evidence::*field, const std::vector<double>& values,
                      bool rises, const std::string& what) {

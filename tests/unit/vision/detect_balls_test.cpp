@@ -26,7 +26,7 @@ constexpr double kBallMm = 21.5;
 const std::array kColorFormats{PixelFormat::kUyvy, PixelFormat::kRgb24, PixelFormat::kBayerRg8};
 using Shape = SimulatedDistractor::Shape;
 
-/// Each ball found is near one of the scene's.
+/// Expects each reported ball to be near one of the scene's.
 void expect_true(const std::vector<Ball>& found, const DrawnScene& drawn, double within_mm) {
   const auto& balls = drawn.things().balls;
   for (const Ball& ball : found) {
@@ -38,7 +38,7 @@ void expect_true(const std::vector<Ball>& found, const DrawnScene& drawn, double
   }
 }
 
-/// Each ball of the scene is found once, within this distance, and nothing else is found.
+/// Expects each ball of the scene once, within this distance, and nothing else.
 void expect_all(const std::vector<Ball>& found, const DrawnScene& drawn, double within_mm) {
   EXPECT_EQ(found.size(), drawn.things().balls.size());
   expect_true(found, drawn, within_mm);
@@ -50,7 +50,7 @@ void expect_all(const std::vector<Ball>& found, const DrawnScene& drawn, double 
   }
 }
 
-/// No ball is reported, although the image has an orange region.
+/// Expects no ball, although the image has an orange region.
 void expect_no_ball(DrawnScene& drawn, const std::string& what) {
   EXPECT_FALSE(drawn.regions().of(label::kOrange).empty())
       << what << ": the picture is not as the test needs it";
@@ -496,7 +496,7 @@ TEST(DetectBalls, NothingInAPictureWithoutColours) {
   EXPECT_THAT(out.balls, IsEmpty());
 }
 
-/// Balls whose centres lie `in_px` inside the image's border, on all sides: found correctly or not at all.
+/// Expects balls whose centres are `in_px` inside the image's border to be found correctly or not at all.
 void expect_nothing_wrong_at_edge(double in_px, double within_mm) {
   for (const PixelFormat format : kColorFormats) {
     DrawnScene drawn(plain_options(format, 4));

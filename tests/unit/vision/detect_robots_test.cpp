@@ -67,7 +67,7 @@ void expect_nothing_wrong(const std::vector<Robot>& found, const DrawnScene& dra
   }
 }
 
-/// All robots of the scene are found, and nothing else.
+/// Expects all robots of the scene and nothing else.
 void expect_all(const std::vector<Robot>& found, const DrawnScene& drawn, double within_mm,
                 double within_deg) {
   EXPECT_EQ(found.size(), drawn.things().robots.size());
@@ -79,7 +79,7 @@ void expect_all(const std::vector<Robot>& found, const DrawnScene& drawn, double
   }
 }
 
-/// A point of a robot's top: from the robot's own frame to the field's, in mm.
+/// Converts a point of a robot's top from the robot's frame to the field's, in mm.
 Eigen::Vector2d on_top(const SimulatedRobot& robot, double ahead_mm, double left_mm) {
   const double c = std::cos(robot.orientation_rad), s = std::sin(robot.orientation_rad);
   return {robot.x_mm + c * ahead_mm - s * left_mm, robot.y_mm + s * ahead_mm + c * left_mm};
@@ -91,7 +91,7 @@ void cover_on_top(DrawnScene& drawn, const SimulatedRobot& robot, double ahead_m
   drawn.cover(at.x(), at.y(), robot.height_mm, radius_mm, color);
 }
 
-/// Every id of both teams, apart from each other, at random headings and near a grid.
+/// Adds every id of both teams at random headings, each near its own point of a grid.
 void add_all_robots(DrawnScene& drawn, std::mt19937& random, int covered_dot = -1) {
   std::uniform_real_distribution<double> angle(-kPi, kPi), off(-60, 60);
   for (int i = 0; i < 32; ++i) {
@@ -213,7 +213,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, DetectRobotsIn, ::testing::ValuesIn(kColorForm
                          [](const auto& param) { return std::string(name_of(param.param)); });
 
 TEST(DetectRobots, ACrowdOfTouchingRobotsSharesNoDots) {
-  // As dense as round things can stand: dots of one robot are often as far apart as dots of two robots.
+  // The densest packing of discs: dots of two robots are often as close together as dots of one robot.
   DrawnScene drawn;
   std::mt19937 random(5);
   std::uniform_real_distribution<double> angle(-kPi, kPi);
@@ -260,7 +260,7 @@ TEST(DetectRobots, SpecksOfTheDotsColoursOnTheTopDoNoHarm) {
                       -1200.0 + 800 * (id % 4), 0.6 * id);
     }
     for (const SimulatedRobot& robot : drawn.things().robots) {
-      // In the gaps: behind, ahead, and at the sides.
+      // Specks in the gaps between the dots: behind, ahead, and at the sides.
       cover_on_top(drawn, robot, -68, 0, speck_mm, paint_color(label::kPink));
       cover_on_top(drawn, robot, 40, 3, speck_mm, paint_color(label::kGreen));
       cover_on_top(drawn, robot, -10, 75, speck_mm, paint_color(label::kGreen));
@@ -271,7 +271,7 @@ TEST(DetectRobots, SpecksOfTheDotsColoursOnTheTopDoNoHarm) {
 
 // ---- partly hidden robots
 
-/// Three visible dots leave two possible ids.
+/// Expects no robot to be reported with only three visible side dots, which leave two possible ids.
 void expect_no_guesses(PixelFormat format, double noise, unsigned seed) {
   std::mt19937 random(seed);
   DrawnScene drawn(plain_options(format, noise));
@@ -480,7 +480,7 @@ TEST(DetectRobots, MemoryNeverMovesARobot) {
   }
 }
 
-/// With covered centre dots, robots are found with memory, and none without.
+/// Expects robots with covered centre dots to be found only by a detector with memory.
 void expect_memory_without_centre(Rgb color) {
   for (const PixelFormat format : kColorFormats) {
     SCOPED_TRACE(name_of(format));
@@ -506,7 +506,7 @@ TEST(DetectRobots, AWhiteCentreDotNeedsMemory) {
 }
 
 TEST(DetectRobots, ACentreDotWhoseRegionIsTooLargeIsFoundFromItsSideDots) {
-  // Something blue in front of it forms one region with it.
+  // A blue object in front of the robot forms one region with its centre dot.
   for (int id = 0; id < 16; ++id) {
     DrawnScene drawn;
     drawn.add_robot(Team::kBlue, id, 1300, 400, 0.8 * id);
@@ -547,7 +547,7 @@ TEST(DetectRobots, HalfOutOfThePictureIsRightOrNotReported) {
       SCOPED_TRACE(std::string(name_of(format)) + " step " + std::to_string(step));
       expect_nothing_wrong(drawn.robots().robots, drawn);
     }
-    // Side dots and centres in the very corners: nothing is read outside the image.
+    // Side dots and centres exactly in the corners: nothing may be read outside the image.
     for (const double in_px : {0.0, 5.0, 11.0, 14.0}) {
       drawn.clear();
       int id = 0;
@@ -574,14 +574,14 @@ TEST(DetectRobots, TwoRobotsNeverShareADot) {
       const SimulatedRobot robot = drawn.things().robots[0];
       const auto& dots = league_patterns().dots;
       const Eigen::Vector2d shared = on_top(robot, dots[own].x_mm, dots[own].y_mm);
-      // With the phantom's heading, its dot `other` lies towards the robot.
+      // This heading turns the phantom's dot `other` towards the robot.
       const double towards = std::atan2(robot.y_mm - shared.y(), robot.x_mm - shared.x());
       const double heading = towards + kPi - std::atan2(dots[other].y_mm, dots[other].x_mm) + kPi;
       const double c = std::cos(heading), s = std::sin(heading);
       const Eigen::Vector2d center = shared - Eigen::Vector2d(c * dots[other].x_mm - s * dots[other].y_mm,
                                                               s * dots[other].x_mm + c * dots[other].y_mm);
       const SimulatedRobot phantom{Team::kBlue, 8, center.x(), center.y(), heading, kHeightMm};
-      // Its black top, beside the robot's.
+      // The phantom's black top, beside the robot's.
       cover_on_top(drawn, phantom, 0, 0, 44, kTopColor);
       for (std::size_t i = 0; i < 4; ++i) {
         if (i == other) continue;
@@ -654,7 +654,7 @@ TEST(DetectRobots, NothingInAPictureWithoutColours) {
   DrawnScene drawn(plain_options(PixelFormat::kMono8));
   drawn.add_robot(Team::kBlue, 9, 1500, 500, 1.0);
   EXPECT_THAT(drawn.robots().robots, IsEmpty());
-  // Nor with another image's regions, or a remembered robot.
+  // Nothing is read either with another image's regions or a remembered robot.
   DrawnScene colored;
   colored.add_robot(Team::kBlue, 9, 1500, 500, 1.0);
   DetectRobots detector;
@@ -749,7 +749,7 @@ TEST(DetectRobots, ThousandsOfBlobsEndAndAllocateNothingTheSecondTime) {
   }
 }
 
-/// A grid of discs at robot height; the colours take turns.
+/// A grid of discs at robot height, with alternating colours.
 void cover_with_discs(DrawnScene& drawn, double from_x_mm, double to_x_mm, double apart_mm,
                       double diameter_mm, std::span<const Label> colors) {
   std::size_t count = 0;

@@ -104,7 +104,7 @@ class DiscPicture {
 class DiscFitIn : public ::testing::TestWithParam<PixelFormat> {};
 
 TEST_P(DiscFitIn, TheCentreIsAsGoodAsTheFitSays) {
-  // 200 discs, at different subpixel positions, searched up to 1 mm from where they are.
+  // 200 discs at different subpixel positions; the fits start up to 1 mm off.
   std::mt19937 random(1);
   std::uniform_real_distribution<double> within(-0.5, 0.5);
   constexpr double kNoise = 10;  // larger than the model's other errors
@@ -174,7 +174,7 @@ TEST_P(DiscFitIn, TellsTheColourAndThatThereIsADisc) {
   EXPECT_LT(significance(none), 15);
 }
 
-/// In light so weak that a dot differs from its ground by a third of an 8-bit level.
+/// In this weak light, a dot differs from its ground by a third of an 8-bit level.
 TEST(DiscFitOfDeepPixels, SeesWhatEightBitsDoNotShow) {
   constexpr double kBrightness = 0.002;
   for (const PixelFormat format :
@@ -274,8 +274,8 @@ TEST_P(DiscFitIn, AllInstructionSetsGiveTheSameSumsOfABall) {
   }
 }
 
-// The last vector is padded after the last sample. The padding must not lie on the disc, however the plane is
-// curved.
+// The last vector is padded after the last sample. Whatever the plane's curvature, the padding must not count
+// as part of the disc.
 TEST_P(DiscFitIn, WhatFillsAVectorIsNoSample) {
   const DiscPicture shown(GetParam(), 48, 48, {}, 4);
   PlanePatch patch = flat_patch(24, 24);
@@ -359,7 +359,7 @@ TEST_P(DiscFitIn, BeyondTheOutlineNothingCounts) {
   const DiscPicture plain(GetParam(), 60, 40, {{20, 20, kRadiusMm / kMmPerPx}}, 0);
   const DiscPicture beside(GetParam(), 60, 40, {{20, 20, kRadiusMm / kMmPerPx}, {32, 20, 5}}, 0);
   DiscMeter meter;
-  const DiscOutline outline{-40, 0, 1, 0, 1000, 62};  // cuts off what is more than 22 mm right of the disc
+  const DiscOutline outline{-40, 0, 1, 0, 1000, 62};  // excludes everything more than 22 mm right of the disc
   const auto measured = [&](const DiscPicture& picture) {
     return fit_disc(
         meter.measure(picture.view(), flat_patch(20, 20), {0, 0, kRadiusMm, 25}, outline, kBlurPx));

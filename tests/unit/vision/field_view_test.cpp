@@ -52,8 +52,8 @@ TEST(FieldView, HasTheFieldAndALittleAndNotTheHall) {
         if (ground <= 200 || top <= 200) {
           ASSERT_TRUE(shows) << x << ' ' << y;
         }
-        // Blocks of the grid are up to 16 px wide, and a pixel is up to 12 mm in the oblique image: so much
-        // more may be shown.
+        // Blocks of the grid are up to 16 px wide, and a pixel is up to 12 mm in the oblique image, so up to
+        // 250 mm more may be shown.
         if (ground > 200 + 250 && top > 200 + 250) {
           ASSERT_FALSE(shows) << x << ' ' << y;
         }
@@ -96,7 +96,7 @@ TEST(FieldView, LimitsTheMaskInPixelsAndQuads) {
   EXPECT_THAT(mask.row(16, 1), IsEmpty());
   EXPECT_THAT(mask.row(7, 2), ElementsAre(Interval{8, 20}));
   EXPECT_THAT(mask.row(8, 2), IsEmpty());
-  // Everything is shown outside the image for which the camera was calibrated.
+  // Outside the image for which the camera was calibrated, everything is shown.
   const Mask whole({}, view);
   EXPECT_THAT(whole.row(0, 1), ElementsAre(Interval{16, 48}, Interval{64, 80}, Interval{96, 16'384}));
   EXPECT_THAT(whole.row(20, 2), ElementsAre(Interval{0, 16'384}));

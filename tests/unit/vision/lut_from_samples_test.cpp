@@ -41,7 +41,7 @@ Color mixed(const Color& a, const Color& b, double share_of_b) {
   return out;
 }
 
-/// An admin's clicks: `count` of each label, light spread evenly from low to high, each sample with noise.
+/// An admin's clicks: `count` of each label, in light evenly spread from low to high, each with noise.
 struct Clicks {
   double low = 1, high = 1;
   int count = 8;

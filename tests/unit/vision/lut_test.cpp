@@ -241,7 +241,7 @@ TEST_P(LutOfBits, ChangesGiveWhatAWholeRebuildGives) {
   const auto count = static_cast<unsigned>(table.labels.size());
   for (int round = 0; round < 12; ++round) {
     std::vector<CellRun> changed;
-    // Single cells, runs, and once more than with_changes() is meant for.
+    // Changes single cells, runs, and in the last round more than with_changes() is meant for.
     const int runs = round == 11 ? 3000 : round % 3 == 0 ? 1 : 40;
     const unsigned longest = round == 11 ? count / 3000 : round % 2 == 0 ? 1 : 30;
     for (int i = 0; i < runs; ++i) {

@@ -46,7 +46,7 @@ std::unique_ptr<RectangleSamples> picture_of(const IsIn& is_in, double noise) {
   return out;
 }
 
-/// Up to a quarter turn, which swaps length and width.
+/// Expects equal rectangles, up to a quarter turn, which swaps length and width.
 void expect_near(const Rectangle& found, const Rectangle& true_one, double within_mm, double within_rad) {
   EXPECT_NEAR(found.x, true_one.x, within_mm);
   EXPECT_NEAR(found.y, true_one.y, within_mm);

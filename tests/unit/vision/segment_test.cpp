@@ -29,7 +29,7 @@ constexpr std::array kAllFormats{PixelFormat::kUyvy,     PixelFormat::kYuyv,    
                                  PixelFormat::kBgr24,    PixelFormat::kMono8,    PixelFormat::kBayerRg8,
                                  PixelFormat::kBayerGr8, PixelFormat::kBayerGb8, PixelFormat::kBayerBg8};
 
-/// An image that ends where its memory ends, so that a sanitizer detects reads beyond it.
+/// An image in a buffer without slack, so that a sanitizer detects reads beyond it.
 struct Picture {
   std::vector<std::uint8_t> bytes;
   ImageView view;

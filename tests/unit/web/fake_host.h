@@ -27,7 +27,7 @@
 namespace sslv {
 
 /// Everything that a web server needs: a daemon with camera 0, whose frames a test publishes. It must outlive
-/// every server that uses it.
+/// all servers that use it.
 class FakeHost : public Gate, public ViewSource, public Topic {
  public:
   static constexpr int kWidth = 64, kHeight = 48;
@@ -77,7 +77,7 @@ class FakeHost : public Gate, public ViewSource, public Topic {
   int drawings() const { return drawings_; }
   /// How often regions were listed.
   int region_lists() const { return region_lists_; }
-  /// How often a view was waited for.
+  /// How often a server has waited for a view.
   int looks() const { return looks_; }
   Passwords& passwords() { return passwords_; }
   void let_match_run(bool runs) { game_is_running_ = runs; }
@@ -181,7 +181,7 @@ class FakeHost : public Gate, public ViewSource, public Topic {
   void set_file(std::vector<std::uint8_t> bytes) { file_ = std::move(bytes); }
   /// Lets the handler of GET /api/hangs return.
   void let_go() { hanging_.set_value(); }
-  /// The most such handlers that ran at once.
+  /// Maximum number of these handlers that ran at once.
   int most_hanging() const { return most_hanging_; }
 
  private:

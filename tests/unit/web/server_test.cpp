@@ -186,7 +186,7 @@ class Viewer {
 
   void acknowledge(int frame_number) { send(to_text({{"ack", {{"camera", 0}, {"frame", frame_number}}}})); }
 
-  /// Returns once the server has read all that was sent before.
+  /// Returns once the server has read everything sent so far.
   void synchronise() {
     send(R"({"nonsense": 1})");
     EXPECT_THAT(to_text(read_json()), HasSubstr("/nonsense: no such message"));
@@ -379,7 +379,7 @@ TEST_F(ServerTest, TooLargeRequestsAreRefused) {
 
 TEST_F(ServerTest, NobodyListensToMuchOfWhoMayNotChangeAnything) {
   daemon_.passwords().set(Role::kAdmin, "correct horse");
-  Client large(server_.port());  // its body never comes
+  Client large(server_.port());  // never sends the body
   large.send("POST /api/session HTTP/1.1\r\nHost: test\r\nContent-Length: 16385\r\n\r\n");
   EXPECT_THAT(large.read_to_end(), AllOf(StartsWith("HTTP/1.1 401"),
                                          HasSubstr("sign in with the admin's password first"), kIsSecured));
@@ -407,7 +407,7 @@ TEST_F(ServerTest, AnswersThatNobodyTakesHaveALimit) {
       slow.push_back(std::make_unique<Client>(server_.port(), 4096));
       slow.back()->send(request_text("GET", "/api/file/table"));
     }
-    // All but those that wait now were refused, or closed in favour of another.
+    // All clients except those that now wait were refused, or closed to make room for another.
     EXPECT_TRUE(test::becomes([&] { return counters_.unsent >= kClients - kMaxWaiting; }))
         << counters_.unsent;
     Client monitoring(server_.port());
@@ -602,7 +602,7 @@ TEST_F(ServerTest, AnAddressThatCannotBeListenedOnIsOneClearLine) {
   EXPECT_THAT(refusal(elsewhere), StartsWith("/panel/address: \"localhost\" is not allowed"));
 }
 
-/// Moves as when a password is set in the panel: clients that connected meanwhile are served.
+/// The server moves as after setting a password in the panel; clients that connect meanwhile are served.
 TEST_F(ServerTest, ItMovesWithoutLosingThoseThatWait) {
   struct SlowHost : FakeHost {
     bool is_trusted(const std::string& address) override {
@@ -686,7 +686,7 @@ class ViewsOf : public ViewSource {
 
 TEST_F(ServerTest, StatusGoesOnWhenACameraIsRemovedBetweenTwoLooks) {
   std::atomic<int> looks = 0;
-  // Camera 1 exists when the ids are requested, and is gone when its feed is.
+  // Camera 1 exists when the ids are requested, but no longer when its feed is requested.
   ViewsOf views(daemon_, [&] {
     return looks++ % 3 == 0 ? std::vector<std::uint32_t>{0, 1} : std::vector<std::uint32_t>{0};
   });
@@ -865,7 +865,7 @@ TEST_F(ServerTest, ALabelledPictureIsMadeOnceForAllWhoWantItAlike) {
   }
   const int drawings = daemon_.drawings();
   const std::uint64_t encoded = counters_.jpegs_encoded;
-  // All viewers are due for the next frame: the server reads an acknowledgement before what is sent after it.
+  // All viewers are due for the next frame, since the server reads acknowledgements before later messages.
   for (const auto& viewer : viewers) {
     viewer->acknowledge(1);
     viewer->synchronise();
@@ -994,7 +994,7 @@ TEST_F(ServerTest, TheNextPictureComesOnlyAfterTheAcknowledgement) {
   daemon_.publish(1);
   EXPECT_EQ(viewer.read_picture().header["frame"], 1);
 
-  // An image is sent before detections of the same frame, and here only detections come.
+  // An image would be sent before the detections of the same frame; here only detections arrive.
   viewer.send(R"({"subscribe": ["detections"]})");
   EXPECT_EQ(viewer.read_json()["data"]["frame"], 1);
   daemon_.publish(2);
@@ -1036,7 +1036,7 @@ TEST_F(ServerTest, APictureIsEncodedOnceForAllWhoWantItAlike) {
     others.back()->read_picture();
   }
   const std::uint64_t before = counters_.jpegs_encoded;
-  // All viewers are due for the next frame: the server reads an acknowledgement before what is sent after it.
+  // All viewers are due for the next frame, since the server reads acknowledgements before later messages.
   viewer.acknowledge(1);
   viewer.synchronise();
   for (const auto& other : others) {

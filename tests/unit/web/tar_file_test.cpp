@@ -150,7 +150,7 @@ TEST(TarFile, HolesAreNotFilled) {
   EXPECT_EQ(refusal(packed(record("whole", 5, '0') + "hello" + std::string(507, '\0') + kEnd)), "none");
   EXPECT_NE(refusal(packed(record("huge", large, '0') + kEnd)), "none");
 
-  // Newer versions use attributes, and put the map before the content: libarchive keeps it as a list.
+  // Newer versions use attributes and write the map before the content; libarchive stores it as a list.
   std::string map = "100000\n";
   for (int i = 0; i < 100'000; ++i) map += "0\n0\n";
   map.resize((map.size() + 511) / 512 * 512, '\0');

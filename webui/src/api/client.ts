@@ -8,7 +8,7 @@ export class ApiError extends Error {
   }
 }
 
-/** Long enough for a slow camera, short enough to report that no answer comes. */
+/** Long enough for a slow camera, short enough to report a missing answer soon. */
 const PATIENCE_MS = 15_000;
 /** For uploads: the file may be large and the network slow. */
 const UPLOAD_PATIENCE_MS = 90_000;

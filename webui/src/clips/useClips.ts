@@ -19,7 +19,7 @@ export interface KeepRequest {
 export function useClips(period_ms: number) {
   const state = shallowRef<Clips | null>(null);
   const isBusy = ref(false);
-  /** An older service that keeps no last seconds. */
+  /** The service is too old to keep last seconds. */
   const isUnknown = ref(false);
   let newest = 0;
   async function look(ask: () => Promise<Clips>): Promise<Clips> {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Layout of the camera tiles: as the cameras hang over the field, if that is known.
+// Layout of the camera tiles: in the order of the cameras over the field, if it is known.
 import type { CameraStatus, FieldSize } from '../api/types';
 
 export interface Place {

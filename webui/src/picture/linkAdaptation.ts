@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adapts the images to the link: smaller and coarser ones while they arrive late or rarely, better ones again when
-// possible.
+// Adapts the images to the link: makes them smaller and coarser while they arrive late or rarely, and better again
+// when possible.
 
 export interface PictureEffort {
   /** Factor on the width that would be sharp. */
@@ -56,7 +56,7 @@ const FLOOR_RISE_MS = 1;
 const FAILED_AFTER = 3;
 const MOST_PATIENCE = 64;
 /**
- * If smaller images improved less than this, the cause is not the link but for example a slow computer; the next
+ * If smaller images help less than this, the cause is not the link but, for example, a slow computer: the next
  * reduction waits HOLD periods.
  */
 const HELPED = 0.87;

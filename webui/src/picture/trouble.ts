@@ -13,7 +13,7 @@ export interface PictureState {
   age: number | null;
   /** The service's messages arrive late or rarely. */
   isLinkSlow: boolean;
-  /** Seconds in which the service itself got no new image from a running camera. */
+  /** Seconds in which the service itself received no new image from a running camera. */
   gapAtService: number;
 }
 

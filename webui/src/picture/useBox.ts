@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits an image into its frame, and gives its scale on the screen.
+// Fits an image into its frame, and computes its scale on the screen.
 import { computed, onMounted, onUnmounted, ref, type Ref } from 'vue';
 import type { Size } from '../geometry/turn';
 

@@ -3,7 +3,7 @@ import type { Json } from './pointer';
 
 const MOST = 48;
 
-/** Follows a refused value: which value remains in use. */
+/** Text after a refused value: the value that remains in use. */
 export const stillUsed = (text: string) => (['empty', 'none', 'nothing'].includes(text) ? 'The setting is still empty.' : `The service still uses ${text}.`);
 
 /** A setting's value in a few words, with its unit. */

@@ -68,7 +68,7 @@ export function useSetting(pointer: () => string) {
     /** After a conflict: keepTheirs() keeps the other user's value, useMine() saves ours over it. */
     keepTheirs() { draft.value = null; stale.value = null; },
     useMine: () => (draft.value ? set(draft.value.value) : Promise.resolve(null)),
-    /** The input is not a valid value: the field keeps it, the service keeps its own. */
+    /** The input is not a valid value: the field keeps it, and the service keeps the old value. */
     refuse(text: string) {
       isRefused = true;
       error.value = text;

@@ -60,7 +60,7 @@ export function closeQuestion(goOn: boolean): void {
 export async function signIn(password: string): Promise<void> {
   const mayLookNow = access.value?.may !== 'nothing';
   access.value = await api.post<Session>('session', { password });
-  // Requests everything again that was refused so far.
+  // Reloads, to repeat the requests that were refused so far.
   if (!mayLookNow) location.reload();
 }
 
@@ -91,8 +91,8 @@ export function followAccess(): void {
   void loadAccess();
   // The service may have restarted, or a match may have begun or ended.
   watch([connection, () => liveStatus.value?.referee.game_is_running], () => { void loadAccess(); });
-  // Polled during a match: another admin may unlock it, and a game controller that has been silent for long locks
-  // nobody out until it is heard again.
+  // Polled during a match: another admin may unlock it, and the lock ends when the game controller has been silent for
+  // long.
   watch(liveStatus, (status) => {
     const isMatch = status?.referee.game_is_running || access.value?.match_lock.game_is_running || isUnlocked.value;
     if (isMatch && performance.now() - loadedAt > LOCK_MS) void loadAccess();

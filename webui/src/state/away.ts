@@ -46,7 +46,7 @@ async function canSound(): Promise<boolean> {
   return audio?.state === 'running';
 }
 
-/** Two falling tones, only if sound is possible now: otherwise those of old alerts would all play at the next click. */
+/** Plays two falling tones if sound is possible now: the browser would play delayed tones together at the next click. */
 export async function playSound(): Promise<void> {
   if (!await canSound()) return;
   [880, 587].forEach((hertz, i) => {
@@ -124,7 +124,7 @@ export function tellAway(): void {
     before = now;
     if (trouble) tell(trouble);
   });
-  // Once per silence. A restarted service is back sooner.
+  // Alerts once per silence. A restarted service answers sooner.
   let silence: ReturnType<typeof setTimeout> | undefined;
   watch(isStale, (stale) => {
     clearTimeout(silence);

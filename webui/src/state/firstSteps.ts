@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The steps from a fresh install to GO: what is done and what is missing, by the service's own checks and alerts.
+// The steps from a fresh install to GO, done or missing according to the service's own checks and alerts.
 import type { Alert, CameraStatus, Check, Session, Status } from '../api/types';
 import { plural } from '../format';
 

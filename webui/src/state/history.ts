@@ -64,7 +64,7 @@ export class History {
   }
 }
 
-/** The received samples, and those that are missing: `missed` returns the sample for each of the times. */
+/** The received samples, completed with missing ones: `missed` returns the sample for a time. */
 function filled<Of extends { at: number }>(heard: readonly Of[], times: number[], missed: (at: number, i: number) => Of | null): Of[] {
   const lacking = times.flatMap((at, i) => (heard.some((sample) => Math.abs(sample.at - at) < SAME_MS) ? [] : missed(at, i) ?? []));
   const samples = [...heard, ...lacking].sort((a, b) => a.at - b.at);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The quality of the link to the service: whether statuses arrive late, or not all of them. Nobody sets the two clocks
-// it uses: the service's uptime and the browser's performance.now().
+// The quality of the link to the service: whether statuses arrive late or are dropped. Uses two clocks that nobody
+// sets: the service's uptime and the browser's performance.now().
 
 /** The service makes a status twice a second; on a slow link, newer ones replace those that wait. */
 const SLOW_GAP_MS = 1200;

@@ -148,7 +148,7 @@ function onStatus(status: Status): void {
 }
 
 /**
- * Time since a moment on the service's clock, s, at least: the current time there is estimated from the fastest recent
+ * Minimum time since a moment on the service's clock, s: the current time there is estimated from the fastest recent
  * status. The network's minimum delay cannot be distinguished from a clock that is behind.
  */
 export function ageOf(daemonTime: number): number {
@@ -158,7 +158,7 @@ export function ageOf(daemonTime: number): number {
   return Math.max(0, status.time - status.uptime_s + uptimeMs / 1000 - daemonTime);
 }
 
-/** Seconds in which the service itself got no new image from a camera, at its last status. */
+/** Seconds in which the service itself received no new image from a camera, at its last status. */
 export function imageGapAtService(camera: number): number {
   return Math.max(0, (lastStatus.value?.uptime_s ?? 0) - (growths.get(camera)?.uptime_s ?? 0));
 }
@@ -184,7 +184,7 @@ export function acknowledge(camera: number, frame: number): void {
   socket?.send({ ack: { camera, frame } });
 }
 
-/** How a view gets a camera's images. */
+/** The connection through which a view receives a camera's images. */
 export interface PictureLine {
   start: typeof startPreview;
   stop: typeof stopPreview;

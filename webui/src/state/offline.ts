@@ -4,7 +4,7 @@
 import { watch } from 'vue';
 import { isLinkSlow, liveStatus } from './live';
 
-/** The first images are loaded before; on a slow link they get more time. */
+/** The first images load before this; a slow link needs more time for them. */
 const AFTER_MS = 4000;
 const AFTER_SLOW_MS = 20_000;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import 'vue'; // looks for a document when it is loaded
+import 'vue'; // queries for a document when it is loaded
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 
 vi.mock('../router', async () => ({ page: (await import('vue')).ref({ name: 'overview' }) }));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Detects that the service has another panel than this one, as after an upgrade; the page then reloads as soon as
-// nothing can be lost by that.
+// Detects that the service has another panel than this one, for example after an upgrade; the page then reloads as soon
+// as a reload loses nothing.
 import { ref, watch } from 'vue';
 import { CACHE_PREFIX } from '../cachePrefix';
 import { page } from '../router';
@@ -12,14 +12,14 @@ export const isOutdated = ref(false);
 const KEY = 'reloaded-for';
 const IDLE_MS = 10_000;
 /**
- * On a slow link a service worker may take longer to load the new panel; a user who presses the button does not wait
- * for it.
+ * Maximum wait for a service worker to load the new panel. It may need longer on a slow link, but a user who presses the
+ * button does not wait for it.
  */
 const WORKER_MS = 20_000;
 /** A worker answers at once which files it has. */
 const ANSWER_MS = 2000;
 const AT_ONCE_MS = 2000;
-/** Pages that show only what the service knows, too. */
+/** Pages without any input that a reload would lose. */
 const PLAIN_PAGES = ['overview', 'field', 'diagnostics', 'kiosk', 'api'];
 
 const entryOf = (html: string) => /<script[^>]*src="[^"]*?(assets\/[^"]+)"/.exec(html)?.[1] ?? null;
@@ -83,8 +83,8 @@ function prepare(isAsked: boolean): Promise<boolean> {
 }
 
 /**
- * For the button. Automatic calls reload only once per new panel, whatever a proxy may keep, and only if `may` still
- * allows it when that panel is available. Returns whether the page reloads.
+ * For the button. Automatic calls reload only once per new panel, even if a proxy still serves the old one, and only if
+ * `may` still allows it when the new panel is available. Returns whether the page reloads.
  */
 export async function loadNewPanel(isAsked = true, may = () => true): Promise<boolean> {
   try {
@@ -102,11 +102,11 @@ export function followPanelVersion(): void {
   let touchedAt = performance.now();
   for (const kind of ['pointerdown', 'pointermove', 'keydown', 'wheel'])
     addEventListener(kind, () => { touchedAt = performance.now(); }, { passive: true, capture: true });
-  // After each reconnect the service may be another one.
+  // After each reconnect, the service may have another panel.
   watch(isOpen, (open) => { if (open) void lookForPanel(); });
   watch(page, () => {
     const changedAt = performance.now();
-    // Later the user may have begun something on this page.
+    // Later, a reload could lose something that the user has begun on this page.
     if (isOutdated.value) void loadNewPanel(false, () => performance.now() - changedAt < AT_ONCE_MS);
   });
   const isUnused = () => performance.now() - touchedAt >= IDLE_MS && PLAIN_PAGES.includes(page.value.name) && !document.querySelector('dialog[open]');

@@ -113,7 +113,7 @@ async function attempt(work: () => Promise<Outcome>): Promise<Outcome> {
   return outcome;
 }
 
-/** Shows a request that saves in another way as a change of the settings, with its outcome. Throws what it throws. */
+/** Shows a request that saves by other means as a change of the settings, with its outcome. Rethrows its errors. */
 export async function showSaving<T>(work: () => Promise<T>): Promise<T> {
   saveState.value = { kind: 'saving' };
   try {
@@ -192,7 +192,7 @@ const waiting = new Map<string, { value: Json; joins: boolean; outcome: Promise<
 
 /**
  * Saves one value. While a request is pending, only the newest of the following values is sent: a slider may be
- * dragged. `joins`: it forms one step of the history with the value saved before, if nothing else was changed in
+ * dragged. `joins`: the history merges it into the step of the value saved before, unless something else was changed in
  * between.
  */
 export function saveValue(pointer: string, value: Json, joins = false): Promise<Outcome> {
@@ -232,7 +232,7 @@ export const applyProfile = (name: string, paths: string[], lookedAt: number): P
 export const importChanges = (operations: Operation[], lookedAt: number): Promise<Outcome> =>
   reviewed((headers) => api.patch<SettingsRevision>('settings', operations, headers), lookedAt, operations.map(({ path }) => path));
 
-/** Replaces everything that is kept by a backup. */
+/** Replaces all stored data with a backup. */
 export const restoreBackup = (file: Blob, lookedAt: number): Promise<Outcome> =>
   reviewed((headers) => api.upload<RestoredBackup>('backup/restore', file, headers), lookedAt, ['']);
 

@@ -31,7 +31,7 @@ class AccessTest : public testing::Test {
   static std::string cookie(const std::string& set_cookie) {
     return set_cookie.substr(0, set_cookie.find(';'));
   }
-  /// Sets passwords with hashes that crypt(3) computes quickly, for tests that sign in a thousand times.
+  /// Sets passwords with hashes that crypt(3) computes quickly, for tests with thousands of sign-ins.
   void set_cheaply(const std::string& admin, const std::string& viewer) {
     const auto hash = [](const std::string& password) {
       return std::string(::crypt(password.c_str(), "$6$rounds=1000$salt$"));

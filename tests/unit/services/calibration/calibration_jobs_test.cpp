@@ -19,7 +19,7 @@ CalibrationOrder order(const std::string& request) {
   return {read_calibration_request(Json::parse(request)), FieldSize{}, {}, "192.0.2.7", 0};
 }
 
-// With these points nothing is found in a grey image; with their names, the search ends soon.
+// In a grey image, a search with these points finds nothing; because the points have names, it ends soon.
 constexpr const char* kPoints = R"([
   {"x": 5, "y": 5, "name": "corner left top"}, {"x": 50, "y": 5, "name": "corner right top"},
   {"x": 50, "y": 40, "name": "corner right bottom"}, {"x": 5, "y": 40, "name": "corner left bottom"}])";

@@ -35,7 +35,7 @@ Config config_with(Json changes) {
   return read_config(settings);
 }
 
-/// A camera that is never started: tests how changes of settings alter its setup.
+/// A camera that is never started, to test how changes of settings affect its setup.
 class RunningCameraTest : public testing::Test {
  protected:
   RunningCamera::Change get_ready(const Config& next) {

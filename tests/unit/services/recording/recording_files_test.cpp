@@ -49,7 +49,7 @@ class RecordingFilesTest : public ::testing::Test {
     fs::resize_file(files_.path_of(name), static_cast<std::uintmax_t>(mb) * kMb);
     fs::last_write_time(files_.path_of(name), fs::file_time_type::clock::now() - std::chrono::hours(hours));
   }
-  /// The recordings that are removed to make room for `wanted_mb` more.
+  /// Names of the recordings that are deleted to free space for `wanted_mb` more.
   std::vector<std::string> goes_for(RoomFor whom, int wanted_mb = 0) {
     const Room room = files_.make_room(settings_, whom, events_, static_cast<std::uint64_t>(wanted_mb) * kMb);
     problem_ = room.problem;
@@ -86,7 +86,7 @@ class RecordingFilesTest : public ::testing::Test {
 };
 
 TEST_F(RecordingFilesTest, ClipsGoBeforeMatchLogsAndOldOnesFirst) {
-  // Old means written first, whatever the name says: other programs name their logs differently.
+  // Age is the time of writing, not that in the name: other programs name their logs differently.
   put("zz_of_others.log.gz", 20, 9);
   put("2026-07-02_b.log.gz", 20, 8);
   put("2026-07-03_c.log.gz", 20, 7);
@@ -132,7 +132,7 @@ TEST_F(RecordingFilesTest, TheLogOfTheMatchThatRunsHasTheHighestRank) {
   EXPECT_TRUE(fs::exists(log));
 }
 
-/// A match alone does not fill more than half of the quota with one log.
+/// A real match does not fill more than half of the quota with one log.
 TEST_F(RecordingFilesTest, NothingGoesForALogThatStrangersFilled) {
   put("a.log.gz", 30, 9);
   files_.pin("a.log.gz", true);
@@ -153,7 +153,7 @@ TEST_F(RecordingFilesTest, NothingGoesForALogThatStrangersFilled) {
   EXPECT_THAT(goes_for(RoomFor::kMatchLog), ElementsAre(name)) << "it goes before all others";
 }
 
-/// A fifth of the log is ours, and the same amount of strangers' packets counts: 20 MB of its 50.
+/// Strangers' packets count only up to the amount of ours. A fifth of the log is ours: 20 of its 50 MB count.
 TEST_F(RecordingFilesTest, NothingGoesForWhatStrangersSendBeyondOurs) {
   put("a.log.gz", 30, 9);
   const fs::path log = files_.begin("match");
@@ -190,7 +190,7 @@ TEST_F(RecordingFilesTest, AClipLeavesRoomForLogsAndOnlyAWantedOneTakesTheirs) {
 TEST_F(RecordingFilesTest, RemovesNothingForADiskThatMustStayFree) {
   put("a.log.gz", 70, 9);
   put("a.clip", 70, 9);
-  settings_.keep_free_mb = 10'000'000;  // no disk has so much
+  settings_.keep_free_mb = 10'000'000;  // more than any disk has
   for (const RoomFor whom : {RoomFor::kMatchLog, RoomFor::kWantedClip, RoomFor::kOtherClip})
     EXPECT_THAT(refusal(whom), HasSubstr("/recording/keep_free_mb"));
   EXPECT_TRUE(fs::exists(files_.path_of("a.clip")));

@@ -309,7 +309,7 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   }
   EXPECT_EQ(found, described);
 
-  // Each alert's page exists: for any other, the panel shows no button.
+  // Each alert's page must exist: otherwise the panel shows no button.
   std::ifstream router(source_path("/webui/src/router.ts"));
   const std::string pages{std::istreambuf_iterator<char>(router), {}};
   for (const Alert& alert : all) {
@@ -422,7 +422,7 @@ TEST_F(Alerts, NameTheSlowestStageWhereTheStagesTakeTooLong) {
   EXPECT_EQ(alerts()[0].fix, "The stage 'x' takes 41 ms an image; images come every 17 ms.");
   camera.last_minute.dropped = 0;
 
-  // Some drivers do not count images that nobody takes.
+  // Some drivers do not count images that are not fetched.
   camera.newest_seconds = {3, 72, 0, 0, 0};
   camera.last_seconds = {10, 240, 0, 0, 0};
   EXPECT_EQ(only_alert().id, "stage_slow") << "and not camera_slow";
@@ -438,13 +438,13 @@ TEST_F(Alerts, NameTheSlowestStageWhereTheStagesTakeTooLong) {
   EXPECT_EQ(only_alert().title,
             "Camera 0: the stage 'other' takes 12 ms an image, all stages together 20 ms; images come every "
             "17 ms");
-  // Slow for single images only.
+  // This stage is slow for single images only.
   camera.stages = {{.name = "one", .library = "lib.so", .mean_ms = 3, .max_ms = 300}};
   EXPECT_EQ(only_alert().title,
             "Camera 0: the stage 'one' (lib.so) took up to 300 ms for an image; images come every 17 ms");
   EXPECT_EQ(only_alert().severity, Severity::kWarn);
-  // No image is lost: no alert. Images are lost, but the stages are fast: the computer is busy, no stage is
-  // to blame.
+  // Without lost images there is no alert. If images are lost although the stages are fast, the computer is
+  // busy and no stage is to blame.
   camera.last_seconds = {10, 600, 0, 0, 0};
   EXPECT_THAT(kinds(), IsEmpty());
   camera.last_seconds = {10, 500, 100, 0, 0};

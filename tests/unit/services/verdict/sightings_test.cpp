@@ -15,10 +15,10 @@ Robot robot(Team team, int id, double x_mm, double y_mm) {
   return {team, id, x_mm, y_mm, 0, 140, 100, 100, 1};
 }
 
-/// Cameras 0 and 1 see what a test describes.
+/// Cameras 0 and 1, with detections that a test defines.
 class SightingsTest : public ::testing::Test {
  protected:
-  /// Adds what each camera sees, every kPeriod_s, for this long.
+  /// Adds each camera's detections, every kPeriod_s, for this long.
   void look_for(double duration_s, const std::vector<Robot>& in_0, const std::vector<Robot>& in_1) {
     const double end_s = t_s_ + duration_s;
     for (; t_s_ < end_s; t_s_ += kPeriod_s) {

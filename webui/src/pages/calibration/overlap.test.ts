@@ -4,7 +4,7 @@ import type { Detections, Robot } from '../../api/types';
 import { CameraModel } from '../../geometry/cameraModel';
 import { median, meetings } from './overlap';
 
-/** Looks straight down on (0, 0) from 4 m. */
+/** A camera 4 m above (0, 0), pointing straight down. */
 const calibration = {
   focal_length: 400, principal_point_x: 390, principal_point_y: 290, distortion: 0, q0: 1, q1: 0, q2: 0, q3: 0, tx: 0, ty: 0, tz: 4000,
   pixel_image_width: 780, pixel_image_height: 580,

@@ -5,7 +5,7 @@ import { CameraModel } from '../../geometry/cameraModel';
 import { asksForHeight, asksForPlusX, clampInto, isInside, knownOf, knownText, NOTHING_KNOWN, pointsOf, requestOf, seenPoints } from './points';
 
 const size = { width: 780, height: 580 };
-/** Looks straight down from 4 m. */
+/** A camera 4 m high, pointing straight down. */
 const model = new CameraModel({
   focal_length: 400, principal_point_x: 390, principal_point_y: 290, distortion: 0, q0: 1, q1: 0, q2: 0, q3: 0, tx: 0, ty: 0, tz: 4000,
   pixel_image_width: 780, pixel_image_height: 580,

@@ -55,7 +55,7 @@ export function useCalibration(camera: () => CameraStatus) {
     const same = said && asText([reported.value[i]!]) === asText([point]);
     return same && said.suspect ? `${figures(said.off_px)} px from ${said.name || 'any point of the field'}: drag it there` : '';
   }));
-  /** RMS distance between the points and their positions by the new calibration, px. */
+  /** RMS distance between the points and their positions according to the new calibration, px. */
   const pointsOff = computed(() => {
     const list = report.value?.points ?? [];
     return list.length ? Math.sqrt(list.reduce((sum, { off_px }) => sum + off_px * off_px, 0) / list.length) : null;
@@ -79,7 +79,7 @@ export function useCalibration(camera: () => CameraStatus) {
     job, state, running, report, inUse, busy, refusal, step, points, known, selected, doubts, changed, pointsOff, linesInUse, linesFound,
     knownWords: computed(() => knownText(known.value)),
     overlap: useOverlap(camera().id, () => inUse.value, () => report.value?.calibration ?? null),
-    /** The record of the calibration in use; null if that was changed in another way since. */
+    /** The record of the calibration in use; null if the calibration has been changed by other means since. */
     record: computed(() => {
       const newest = state.value?.history.find(({ reverted }) => reverted === null);
       return newest && JSON.stringify(newest.calibration) === inUseText.value ? newest : null;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera's colour table on the service, and pending edits. The page shows a stroke at once and replaces it by the
-// service's table when that arrives; before that, the stroke has no effect.
+// A camera's colour table on the service, and pending edits. The page shows a stroke at once and replaces it with the
+// service's table when that arrives; until then, the stroke has no effect.
 import { onUnmounted, ref, shallowRef, triggerRef, watch } from 'vue';
 import { api, messageOf } from '../../api/client';
 import type { ColorCommand, ColorEdited, ColorState } from '../../api/types';
@@ -14,7 +14,7 @@ import { decodeTable, type Table } from './table';
 const MOST_COMMANDS = 200;
 /** Polling interval while the light is followed, or margins are unknown. */
 const LIGHT_MS = 2000;
-/** Margins change with what the camera sees, so they are also polled otherwise, every this many intervals. */
+/** Margins also change with the camera's view, so they are polled at least once per this many intervals. */
 const MARGINS_EVERY = 5;
 
 interface Stroke {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Data under the pointer: raw pixels, their region, and what a click would do. One request of each kind is sent at a
-// time; of the waiting ones only the newest is sent.
+// Data under the pointer: raw pixels, their region, and the effect of a click. One request of each kind is sent at a
+// time; of the waiting requests, only the newest is sent.
 import { onUnmounted, ref, shallowRef, watch } from 'vue';
 import { api, messageOf } from '../../api/client';
 import { newestOnly } from '../../api/newestOnly';

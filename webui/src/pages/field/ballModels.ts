@@ -36,6 +36,6 @@ export function speedAfter(models: BallModels, kick_m_s: number, distance_m: num
   return Math.sqrt(Math.max(0, square));
 }
 
-/** Heights in mm of the hops that follow one of height_mm. */
+/** Heights in mm of the hops that follow a hop of height_mm. */
 export const hops = ({ damping_z }: BallModels, height_mm: number, count: number): number[] =>
   Array.from({ length: count }, (_, i) => height_mm * damping_z ** (2 * (i + 1)));

@@ -79,7 +79,7 @@ export function planOf(field: FieldSize, plane: Plane): Plan {
   };
 }
 
-/** Every size that is visible from above, with where it is measured. */
+/** Every size that is visible from above, with its dimension line. */
 export function dimensionsOf(field: FieldSize, plane: Plane): Dimension[] {
   const at = (x: number, y: number) => place(plane, x, y);
   const [a, b] = [field.field_length / 2, field.field_width / 2];

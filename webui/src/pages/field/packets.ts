@@ -37,7 +37,7 @@ export function seenRows({ balls, robots_yellow, robots_blue }: HeardDetection['
   return rows;
 }
 
-/** Time from exposure to sending in ms, by the packet's own times. */
+/** Time from exposure to sending in ms, from the packet's own times. */
 export const latencyOf = ({ t_capture, t_sent }: HeardDetection['packet']['detection']) => (t_sent - t_capture) * 1000;
 
 /** "2 sockets of user robocup, 1 socket of user root" */

@@ -61,7 +61,7 @@ export function ticksOf(length: number): number[] {
   return Array.from({ length: Math.floor(length / step) + 1 }, (_, i) => i * step).filter((time) => time <= 0.95 * length);
 }
 
-/** Width of the strip in its own units, whatever its pixels. */
+/** Width of the strip in its own units, independent of its pixels. */
 export const WIDTH = 1000;
 const placeOf = (time: number, length: number) => Math.round(Math.min(1, Math.max(0, time / length)) * WIDTH * 10) / 10;
 

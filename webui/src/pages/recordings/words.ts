@@ -18,9 +18,9 @@ export interface Now {
   more: string;
 }
 
-/** The log is open, so it can be stopped. */
+/** Whether the log is open and can be stopped. */
 export const isWriting = ({ state }: MatchLogNow): boolean => state === 'recording' || state === 'paused';
-/** That log is being written. */
+/** Whether that log is being written. */
 export const isWritten = (now: MatchLogNow, name: string): boolean => isWriting(now) && now.name === name;
 
 const titleOf = ({ name }: MatchLogNow) => (name === null ? 'Match log' : readName(name).title);
@@ -56,7 +56,7 @@ function startedText({ started_by }: MatchLogNow): string {
   return started_by === 'hand' ? 'Started by hand. It records until you press Stop.' : '';
 }
 
-/** A log must be this old before missing messages mean something. */
+/** Missing vision messages are reported only in a log that is at least this old. */
 const FIRST_MESSAGES_S = 5;
 
 export interface Hint {

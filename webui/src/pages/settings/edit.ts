@@ -46,7 +46,7 @@ export function entryTitle(entry: Json, index: number): string {
   return Array.isArray(points) ? `Polygon of ${points.length} corners` : `Entry ${index + 1}`;
 }
 
-/** Current index of the entry that was at `index`; null if it is gone. */
+/** Current index of the entry that was at `index`; null if it was removed. */
 export function entryPlace(list: Json | undefined, index: number, entry: Json): number | null {
   if (!Array.isArray(list)) return null;
   if (isEqual(list[index], entry)) return index;

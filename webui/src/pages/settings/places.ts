@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The settings as a tree of places, as an admin thinks of them: what is where, and what differs from its default.
+// The settings as a tree of places, grouped for an admin, with the differences from the defaults.
 import { isEqual, keysOf, pointerOf, valueAt, type Json } from '../../settings/pointer';
 import { isNullable, kindOf, nodeAt, shapeOf, titleOf, valueOr, type SchemaNode } from '../../settings/schema';
 
@@ -27,7 +27,7 @@ export interface Place {
   /** Titles from the root to this place. */
   path: string[];
   children: Place[];
-  /** How many settings here and below differ from their defaults. */
+  /** Number of settings here and below that differ from their defaults. */
   changed: number;
 }
 
@@ -67,7 +67,7 @@ export interface Overview {
   settings: Setting[];
 }
 
-/** All settings in use; parameters of stages that are not in a stack are not. */
+/** All settings in use, without the parameters of stages that are not in a stack. */
 export function overview(schema: SchemaNode, tree: Json): Overview {
   const settings: Setting[] = [];
   const newPlace = (pointer: string, title: string, fact: string, parent?: Place): Place => {

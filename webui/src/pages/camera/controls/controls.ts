@@ -18,7 +18,7 @@ const IMPORTANT: readonly RegExp[] = [
 const plain = (name: string) => name.toLowerCase().replace(/[^a-z0-9]/g, '');
 const rank = ({ name }: Control) => IMPORTANT.findIndex((pattern) => pattern.test(plain(name)));
 
-/** With this few controls none needs to be hidden, for example those of a recording. */
+/** Up to this many controls are all shown, for example those of a recording. */
 const FEW = 10;
 
 /** The important controls first, in the order above, then the others in the camera's order. */
@@ -59,7 +59,7 @@ export const isWide = ({ min, max }: Control) => typeof min === 'number' && type
 
 export type Value = Control['value'];
 
-/** Whether the camera's value is the saved one. It rounds values by less than a step, or by 1e-4 of the value. */
+/** Whether the camera's value is the saved one. Cameras round values by less than a step, or by 1e-4 of the value. */
 export function isSame({ step }: Control, a: Value, b: Value): boolean {
   if (typeof a !== 'number' || typeof b !== 'number') return a === b;
   return Math.abs(a - b) <= Math.max((step ?? 0) * 0.99, Math.abs(b) * 1e-4);

@@ -13,7 +13,7 @@ export const BANDS = [
 export const bandOf = (mm: number): (typeof BANDS)[number] => BANDS.find(({ below_mm }) => mm < below_mm) ?? BANDS[3];
 export const lengthOf = ({ off_x_mm, off_y_mm }: Pick<FieldDifference, 'off_x_mm' | 'off_y_mm'>): number => Math.hypot(off_x_mm, off_y_mm);
 
-/** After this long without a robot, what was measured then may no longer hold. */
+/** A square's differences are old after this long without a robot there. */
 const OLD_S = 120;
 
 export interface Square {

@@ -10,7 +10,7 @@ import { colourOfCamera, OLD_MS, type Apart, type OfCamera } from './raw';
 import { apartText } from './words';
 
 const RING_PX = 3.5;
-/** Balls of two cameras about this close count as one. */
+/** Balls of two cameras closer than about this count as one. */
 const BALL_MM = 200;
 
 export function drawRaw(pen: Pen, field: FieldSize, cameras: readonly OfCamera[], differences: readonly Apart[], now: number): void {
@@ -48,7 +48,7 @@ export function drawRaw(pen: Pen, field: FieldSize, cameras: readonly OfCamera[]
     ctx.strokeStyle = colour;
     ctx.lineWidth = 2;
     const numbers: [left: number, top: number][] = [];
-    /** Camera numbers are placed around what the cameras report, one position each. */
+    /** Camera numbers are placed around the reported object, one position each. */
     const number = (left: number, top: number, ring: number, at_place: number) => {
       const angle = -0.8 + 1.1 * at_place;
       const away = ring + 0.65 * type_px;

@@ -37,7 +37,7 @@ describe('where the ball goes', () => {
     // From 2 to 1.2 m/s at 3.4 m/s2, then to rest at 0.5 m/s2.
     const path = ballPath(ball({ vx: 2000 }), kick(), 100, models, divisionB)!;
     expect(path.end.x).toBeCloseTo((1000 * (4 - 1.44)) / 6.8 + (1000 * 1.44) / 1);
-    // The same kick says nothing about a ball a minute later, nor about a slower one.
+    // The same kick does not apply to a ball a minute later, nor to a slower ball.
     expect(ballPath(ball({ vx: 2000 }), kick(), 160, models, divisionB)!.end.x).toBeCloseTo(4000);
     expect(ballPath(ball(), kick(), 101, models, divisionB)!.end.x).toBeCloseTo(1000);
   });

@@ -43,7 +43,7 @@ const way = (from: number, to: number, acc: number) => (from <= to ? 0 : acc < 0
 
 /** Lower speeds are tracker noise. */
 const STILL_MM_S = 60;
-/** For this long, the speed of a kick determines whether the ball still slides. */
+/** For this long after a kick, its speed determines whether the ball still slides. */
 const SLIDES_S = 3;
 
 /**
@@ -61,7 +61,7 @@ export function ballPath(ball: TrackedBall, kick: FieldKick | null, time: number
   if (height > FLYING_MM) {
     const fall_s = (ball.vz + Math.sqrt(ball.vz ** 2 + 2 * GRAVITY_MM_S2 * height)) / GRAVITY_MM_S2;
     landing = from = { x: ball.x + fall_s * ball.vx, y: ball.y + fall_s * ball.vy };
-    // The loss of later hops is small compared with that of the first one.
+    // The speed lost in later hops is small compared with the first hop's loss.
     rest *= models.damping_xy_first_hop;
   }
   const isOwn = kick !== null && !kick.is_chip && landing === null && time >= kick.time && time - kick.time < SLIDES_S;

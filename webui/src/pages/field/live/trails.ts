@@ -3,9 +3,9 @@
 import type { FieldTracks } from '../../../api/types';
 
 export const TRAIL_S = 2;
-/** Points closer than this in time make a line no smoother: every other one of thirty a second is kept. */
+/** Points closer than this in time do not make a line smoother: every second one of thirty a second is kept. */
 const STEP_S = 0.06;
-/** Points farther apart are not joined: the object was away, or another one took its name. */
+/** Points farther apart are not joined: the object was lost, or another object has its name now. */
 const GAP_S = 0.4;
 const GAP_MM = 700;
 
@@ -19,7 +19,7 @@ export class Trails {
 
   get all(): Iterable<Trail> { return this.trails.values(); }
 
-  /** Adds tracks. Time that goes back belongs to another run of the service. */
+  /** Adds tracks. An earlier time than before means that the service was restarted. */
   add({ time, robots, balls }: FieldTracks): void {
     if (time < this.last) this.trails.clear();
     this.last = time;

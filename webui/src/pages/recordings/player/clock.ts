@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The playback position: seconds since the beginning, whatever images have arrived.
+// The playback position: seconds since the beginning, regardless of which images have arrived.
 import { computed, onUnmounted, ref, watch } from 'vue';
 
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 16] as const;
@@ -20,7 +20,7 @@ export function advance(position: number, elapsed_s: number, speed: number, leng
  * ascending.
  */
 export function indexAt(times: readonly number[], time: number): number {
-  // A frame that was jumped to counts, despite rounding.
+  // The tolerance includes a frame whose time was rounded by a jump.
   const limit = time + 1e-6;
   let [low, high] = [0, times.length];
   while (low < high) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Loads what is wanted now, the most important first, at most two at a time. Outdated wants are dropped: over a slow
-// link frames are skipped, and nothing queues up.
+// link, frames are skipped instead of queued.
 import { indexAt } from './clock';
 
 export interface Want<T> {
@@ -85,7 +85,7 @@ export class Loader {
   }
 }
 
-/** Image width to request: over a slow link smaller while it moves, sharp when it stands still. */
+/** Image width to request: reduced over a slow link while the image changes, otherwise sharp. */
 export function widthFor(sharp: number, load_s: number, moves: boolean): number {
   if (!moves || load_s < 0.2) return sharp;
   return Math.min(sharp, Math.max(240, Math.round(sharp / (load_s < 0.5 ? 2 : 4))));
@@ -108,11 +108,11 @@ export function ahead(times: readonly number[], position: number, speed: number,
   return out;
 }
 
-/** How far back an image may be that replaces the current one over a slow link. */
+/** Over a slow link, a loaded image replaces the current one if it is earlier by at most this, or more if loading is slow. */
 const LEAST_BACK_S = 0.5;
 /**
- * Index of the image to show: the current one if it is loaded; while playing, else the newest loaded one before it that
- * is not too old. -1: keep the last one.
+ * Index of the image to show: the current one if it is loaded; otherwise, while playing, the newest loaded one before it
+ * that is not too old. -1: keep the last one.
  */
 export function bestOf(times: readonly number[], position: number, speed: number, load_s: number, isPlaying: boolean, isThere: (i: number) => boolean): number {
   const here = indexAt(times, position);

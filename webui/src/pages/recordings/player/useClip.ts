@@ -73,7 +73,7 @@ export function useClip(name: string, first: number | null) {
         if (other !== mine && i >= 0) wants.push(wantObjects(other.places[i]!));
       }
     };
-    // When paused, an image that was loaded small for a slow link is requested again, sharp.
+    // When paused, an image that was loaded small for a slow link is requested again at full sharpness.
     const place = mine.places[here]!;
     const kept = loader.get<Jpeg>(imageKey(place));
     if (kept && !isPlaying && !isDragging.value && kept.width < width) wants.push({ ...wantImage(place, width), key: `${imageKey(place)} sharp` });

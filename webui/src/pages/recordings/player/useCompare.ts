@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The service's current or last comparison; it runs one at a time.
+// The service's current or last comparison; the service runs one at a time.
 import { computed, onUnmounted, ref, shallowRef } from 'vue';
 import { api, messageOf } from '../../../api/client';
 import type { Comparison, CompareWith } from '../../../api/types';
@@ -20,7 +20,7 @@ export function useCompare(clip: string) {
       if (!alive) return;
       comparison.value = answer;
     } catch {
-      // The page reports failures where frames fail, too; a running comparison is polled again.
+      // A failing link also fails frames, which the page reports; a running comparison is polled again.
     }
     wait();
   }

@@ -9,7 +9,7 @@ import { indexAt, useClock } from './clock';
 import { bestOf, Loader, type Want } from './loader';
 
 const LIMITS = { moment: 300 };
-/** Spacing of the requested moments: about the cameras' rate, and the same moments when it is played again. */
+/** Spacing of the requested moments: about the cameras' rate; fixed, so that playing again requests the same moments. */
 export const STEP_S = 0.04;
 const RETRY_MS = 2000;
 
@@ -44,7 +44,7 @@ export function useLog(name: string) {
   }
   function show(): void {
     const here = tickOf(clock.position.value);
-    // The earlier ticks, as far back as one may replace the current one.
+    // The current tick and the earlier ticks that may replace it.
     const first = Math.max(0, here - 200);
     const ticks = Array.from({ length: here - first + 1 }, (_, i) => first + i);
     const i = bestOf(ticks.map((tick) => tick * STEP_S), here * STEP_S, clock.speed.value, loader.seconds, clock.isPlaying.value, (k) => loader.has(keyOf(ticks[k]!)));
