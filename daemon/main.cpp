@@ -144,7 +144,7 @@ void end_in_time() {
   constexpr unsigned kLongest_s = 4;  // systemd/ssl-visiond.service: TimeoutStopSec
   if (std::getenv("NOTIFY_SOCKET") == nullptr) return;
   std::signal(SIGALRM, [](int) {
-    constexpr std::string_view kText = "ssl-visiond: something hangs, a disk or a driver: ended without it\n";
+    constexpr std::string_view kText = "ssl-visiond: a disk or driver hangs: exited without waiting\n";
     [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, kText.data(), kText.size());
     std::_Exit(EXIT_SUCCESS);
   });
@@ -181,8 +181,8 @@ int run(Daemon::Options options) {
     if (hanging.empty()) sd_notify(0, "WATCHDOG=1");
     if (hanging.empty() == was_hanging) {
       was_hanging = !was_hanging;
-      was_hanging ? log::error("{}: unless it goes on, the service manager starts the service again", hanging)
-                  : log::info("all cameras go on");
+      was_hanging ? log::error("{}: unless it continues, the service manager restarts the service", hanging)
+                  : log::info("all cameras continue");
     }
     sd_notifyf(0, "STATUS=%s", (hanging.empty() ? daemon->summary() : hanging).c_str());
   }
@@ -195,8 +195,7 @@ int run(Daemon::Options options) {
 
 int run_program(int argc, char** argv) {
   const EndOfStageProcesses end;
-  CLI::App app{
-      "Vision service for robot-soccer fields: cameras in, robots and balls out, a web panel beside it."};
+  CLI::App app{"Vision service for robot-soccer fields: cameras in, robots and balls out, with a web panel."};
   app.set_version_flag("--version", std::string("ssl-visiond ") + kVersion);
   std::filesystem::path settings_file, check_file, panel = panel_folder();
   std::vector<std::filesystem::path> file_folders;
@@ -215,9 +214,9 @@ int run_program(int argc, char** argv) {
                  "program");
   app.add_option(
       "--stages-apart", stage_folders.sandboxed,
-      "likewise; each of these stages runs in a process of its own, so that it can harm nothing else");
+      "like --stages, but each stage runs in a process of its own, so that it cannot harm the service");
   app.add_flag("--print-config", print,
-               "print the whole settings tree, defaults filled in (with --config: of that file)");
+               "print all settings, including defaults (with --config: of that file)");
   app.add_flag("--list-cameras", list,
                "list the cameras that could be opened, with the settings lines for each");
   try {
@@ -250,7 +249,7 @@ int run_program(int argc, char** argv) {
       return EXIT_SUCCESS;
     }
     if (settings_file.empty()) {
-      std::cerr << "ssl-visiond: --config FILE is needed; see --help\n";
+      std::cerr << "ssl-visiond: --config FILE is required; see --help\n";
       return EX_USAGE;
     }
     return run({settings_file, state_folder(), panel, file_folders, std::move(left)});

@@ -90,20 +90,20 @@ ssl\-visiond\-settings \- settings file of the vision service
 .SH SYNOPSIS
 .I /etc/ssl\-visiond/settings.json
 .SH DESCRIPTION
-One JSON object. What it leaves out has a default; what it has wrong is refused with key, value and what is
-allowed, by the service at its start and by
-.BR "ssl\-visiond \-\-check\-config" .
+One JSON object. Missing values have defaults. Invalid values are refused, by the service at its start and by
+.BR "ssl\-visiond \-\-check\-config" ;
+the message names key, value and what is allowed.
 A key
 .B \(dq//\(dq
 in any object is a comment.
 .PP
-The service never writes this file. What is changed while it runs is kept as a JSON Patch on it in
+The service never writes this file. Changes made at runtime are stored as a JSON Patch on it in
 .IR /var/lib/ssl\-visiond/settings.json ,
-so a later edit of the file counts too, where nothing was changed over it.
+so later edits of the file take effect too, except for values that were changed at runtime.
 .B ssl\-visiond \-\-print\-config
 shows the whole tree with all defaults.
 .SH SETTINGS
-Each by its place (JSON Pointer);
+Listed by JSON Pointer;
 .B *
 stands for any entry of a list.
 )",

@@ -84,10 +84,10 @@ for (const test of tests.filter(({ group }) => !group).sort((a, b) => b.seconds 
 
 // Work is CPU time, which hardly depends on other load. A slow machine needs more, so this is not a failure.
 const budget = JSON.parse(readFileSync(fileURLToPath(new URL('budget.json', import.meta.url)), 'utf8'));
-say('suites: time that passed, work of the processors, budget (s)');
+say('suites: wall time, CPU time, budget (s)');
 function row(name, seconds_passed, work_s) {
   const own = budget.work_s[name];
-  console.log(`${seconds_passed === undefined ? '       -' : seconds(seconds_passed)} ${seconds(work_s)} ${own === undefined ? '       -' : seconds(own)}  ${name}${work_s > budget.factor * own ? '  MORE WORK THAN ITS BUDGET' : ''}`);
+  console.log(`${seconds_passed === undefined ? '       -' : seconds(seconds_passed)} ${seconds(work_s)} ${own === undefined ? '       -' : seconds(own)}  ${name}${work_s > budget.factor * own ? '  OVER BUDGET' : ''}`);
 }
 for (const suite of suites) {
   row(suite.name, suite.seconds, suite.work_s);

@@ -125,7 +125,7 @@ class BackgroundJobs {
       running->stop.request_stop();
       job.state = JobState::kFailed;
       job.report = nullptr;
-      job.problem = "the camera or its source was changed since; start again";
+      job.problem = "the camera or its source has changed since; start again";
     }
   }
 

@@ -48,7 +48,7 @@ std::vector<double> distances_mm(std::span<const LensCamera> cameras, std::span<
 
 std::string lines_not_found(int camera_id) {
   return fmt::format(
-      "Camera {}'s lines were not found near where its calibration has them: calibrate it alone first.",
+      "Camera {}'s lines were not found near where its calibration predicts them: calibrate it alone first.",
       camera_id);
 }
 
@@ -70,7 +70,7 @@ class JointCalibrator {
       in_force_.push_back(lens_camera(view.calibration));
     }
     if (task_.cameras.size() < 2) {
-      report_.problems.push_back("One camera alone agrees with itself: calibrate two or more together.");
+      report_.problems.push_back("A joint calibration needs two or more cameras.");
       return std::move(report_);
     }
     if (!refine_each()) return std::move(report_);
@@ -89,8 +89,8 @@ class JointCalibrator {
       const LensCamera& start = in_force_[i];
       if (view.picture.width() != start.width || view.picture.height() != start.height) {
         report_.problems.push_back(
-            fmt::format("Camera {} sends {} x {} pixels, its calibration was made for {} x {}: calibrate it "
-                        "alone first.",
+            fmt::format("Camera {} sends {} x {} pixels, but its calibration was made for {} x {}: calibrate "
+                        "it alone first.",
                         view.id, view.picture.width(), view.picture.height(), start.width, start.height));
         continue;
       }
@@ -169,13 +169,13 @@ class JointCalibrator {
 
   void add_remarks_on(const JointCameraReport& camera, const Verdict& verdict, const Published& wire) {
     const std::string who = fmt::format("Camera {}: ", camera.id);
-    for (const std::string& problem : problems_of(verdict, "does its calibration fit its place"))
+    for (const std::string& problem : problems_of(verdict, "does its calibration fit its position"))
       report_.problems.push_back(who + problem);
     if (std::abs(camera.height_mm - camera.height_before_mm) > kHeightShare * camera.height_before_mm) {
-      report_.problems.push_back(fmt::format(
-          "Camera {} would hang at {:.0f} mm instead of {:.0f} mm: measure it. If it does not, the teams' "
-          "robot heights are wrong.",
-          camera.id, camera.height_mm, camera.height_before_mm));
+      report_.problems.push_back(
+          fmt::format("Camera {} would hang at {:.0f} mm instead of {:.0f} mm: measure its height. If the "
+                      "new height is wrong, so are the teams' robot heights.",
+                      camera.id, camera.height_mm, camera.height_before_mm));
     }
     if (const auto note = lens_note(wire)) report_.notes.push_back(who + *note);
   }
@@ -201,19 +201,19 @@ class JointCalibrator {
         std::find(has_neighbour_.begin(), has_neighbour_.end(), true) != has_neighbour_.end();
     if (!overlap) {
       problems.push_back(
-          "No line and no robot was seen by two cameras: nothing aligns them. Turn or move them until they "
-          "overlap.");
+          "No line and no robot was seen by two cameras, so nothing aligns them. Turn or move them until "
+          "their views overlap.");
     } else {
       for (std::size_t i = 0; i < has_neighbour_.size(); ++i) {
         if (has_neighbour_[i]) continue;
         notes.push_back(
-            fmt::format("Camera {} sees no line and no robot that another one sees: it was refined alone.",
+            fmt::format("Camera {} sees no line and no robot that another camera sees: it was refined alone.",
                         report_.cameras[i].id));
       }
       if (report_.ties == 0) {
         notes.push_back(
-            "No robot was seen by two cameras at the same moment: only lines tie the cameras, so that "
-            "robots' tops may still differ. Put robots where the cameras overlap.");
+            "No robot was seen by two cameras at the same moment: only lines align the cameras, so positions "
+            "of robots' tops may still differ. Put robots where the cameras overlap.");
       }
     }
     if (is_worse(report_.on_floor)) {

@@ -71,8 +71,8 @@ CalibrationRequest read_calibration_request(const Json& json) {
   for (std::size_t i = 0; i < request.points.size(); ++i) {
     const CalibrationPoint& point = request.points[i];
     const std::string path = "/points/" + std::to_string(i);
-    if (!point.x) throw SettingsError(path + "/x: is missing; expected a pixel's place");
-    if (!point.y) throw SettingsError(path + "/y: is missing; expected a pixel's place");
+    if (!point.x) throw SettingsError(path + "/x: is missing; expected a pixel position");
+    if (!point.y) throw SettingsError(path + "/y: is missing; expected a pixel position");
     if (point.field_x.has_value() != point.field_y.has_value()) {
       throw SettingsError(path + (point.field_x ? "/field_y" : "/field_x") +
                           ": is missing; expected both field_x and field_y, or neither");

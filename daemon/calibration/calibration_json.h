@@ -27,11 +27,11 @@ struct CalibrationPoint {
     using P = CalibrationPoint;
     constexpr double kFar = 100'000;
     return std::tuple{
-        number("x", &P::x, -1.0, 16384.0, "px", "where it is in the image"),
-        number("y", &P::y, -1.0, 16384.0, "px", "where it is in the image"),
-        text("name", &P::name, "the point of the field that it shows; empty: unknown"),
-        number("field_x", &P::field_x, -kFar, kFar, "mm", "where it is on the field, instead of a name"),
-        number("field_y", &P::field_y, -kFar, kFar, "mm", "where it is on the field, instead of a name"),
+        number("x", &P::x, -1.0, 16384.0, "px", "position in the image"),
+        number("y", &P::y, -1.0, 16384.0, "px", "position in the image"),
+        text("name", &P::name, "name of this point of the field; empty: unknown"),
+        number("field_x", &P::field_x, -kFar, kFar, "mm", "position on the field, instead of a name"),
+        number("field_y", &P::field_y, -kFar, kFar, "mm", "position on the field, instead of a name"),
     };
   }
 };
@@ -50,19 +50,18 @@ struct CalibrationRequest {
   static constexpr auto fields() {
     using R = CalibrationRequest;
     return std::tuple{
-        list("points", &R::points, "corners and crossings of lines that somebody pointed at, in any order",
+        list("points", &R::points, "corners and crossings of lines that a user clicked, in any order",
              kMaxPoints),
-        number("frames", &R::frames, 1, 100, "", "images of which the mean is used"),
+        number("frames", &R::frames, 1, 100, "", "number of images to average"),
         number("height_mm", &R::height_mm, 100.0, 100'000.0, "mm",
-               "of the camera above the floor, if measured"),
+               "height of the camera above the floor, if measured"),
         number("height_sigma_mm", &R::height_sigma_mm, 0.1, 10'000.0, "mm", "accuracy of that height"),
         number("focal_px", &R::focal_px, 1.0, 1e6, "px", "focal length of the lens, if known"),
         choice("plus_x", &R::plus_x, kPlusXChoices,
                "the side of the image where the +x half of the field lies; null: unknown"),
-        choice(
-            "lines_measured_to", &R::lines_measured_to, kLinesMeasuredChoices,
-            "what the field's sizes were measured to; null: the lines' middle, unless their outer edge suits "
-            "the image clearly better"),
+        choice("lines_measured_to", &R::lines_measured_to, kLinesMeasuredChoices,
+               "the reference of the field's sizes; null: the lines' middle, unless their outer edge fits "
+               "the image clearly better"),
         number("click_sigma_px", &R::click_sigma_px, 0.1, 100.0, "px", "accuracy of the points"),
     };
   }

@@ -99,12 +99,12 @@ void add_click_figures(const Finding& finding, CalibrationReport& out) {
     figure.suspect = meaning.is_far;
     const std::string label = label_of(*meaning.place);
     if (meaning.is_far) {
-      out.problems.push_back(fmt::format(
-          "Point {} at pixel ({:.0f}, {:.0f}) shows none of the given points: the nearest, {}, is "
-          "{:.0f} px away. It was not used; click it again.",
-          i + 1, pixel.x(), pixel.y(), label, figure.off_px));
+      out.problems.push_back(
+          fmt::format("Point {} at pixel ({:.0f}, {:.0f}) matches none of the given points: the nearest, {}, "
+                      "is {:.0f} px away. It was not used; click it again.",
+                      i + 1, pixel.x(), pixel.y(), label, figure.off_px));
     } else if (clicks.names_known && figure.name != clicks.places[i].name) {
-      otherwise += fmt::format("{}point {} for {}", otherwise.empty() ? "" : ", ", i + 1, label);
+      otherwise += fmt::format("{}point {} to {}", otherwise.empty() ? "" : ", ", i + 1, label);
     }
   }
   for (const NamedPoint& point : named_points(finding.curves)) {
@@ -113,8 +113,7 @@ void add_click_figures(const Finding& finding, CalibrationReport& out) {
       out.control_points.push_back({point.name, *pixel, point.place_mm, 0, 0, false});
   }
   if (!otherwise.empty()) {
-    out.notes.push_back("Some points show others than were named, and were taken for those: " + otherwise +
-                        ".");
+    out.notes.push_back("Some points did not match their names and were reassigned: " + otherwise + ".");
   }
 }
 
@@ -208,7 +207,7 @@ void add_notes(const Finding& finding, CalibrationReport& out) {
   }
   if (is_held(out, "distortion")) {
     out.notes.emplace_back(
-        "The lens' distortion is not observable from this view and held at its usual value.");
+        "The lens' distortion is not observable from this view and is held at its usual value.");
   }
   if (auto note = lens_note({out.calibration, out.lens_rms_mm, out.lens_worst_mm}))
     out.notes.push_back(std::move(*note));
@@ -258,10 +257,10 @@ CalibrationReport describe(const Finding& finding) {
 std::vector<std::string> problems_of(const Verdict& verdict, const char* doubt) {
   std::vector<std::string> out;
   if (!verdict.lines_are_found()) {
-    out.push_back(fmt::format(
-        "{:.0f} % of the lines that should be in view were found, and {:.0f} % of the white "
-        "stripes on the field are none of its lines: do the field's sizes fit this field, and {}?",
-        100 * verdict.found_share, 100 * verdict.unexplained_share, doubt));
+    out.push_back(
+        fmt::format("{:.0f} % of the lines that should be in view were found, and {:.0f} % of the white "
+                    "stripes match no line of the field: do the field's sizes fit this field, and {}?",
+                    100 * verdict.found_share, 100 * verdict.unexplained_share, doubt));
   }
   if (!verdict.lines_are_near()) {
     out.push_back(
@@ -276,15 +275,15 @@ std::optional<std::string> lens_note(const Published& published) {
   constexpr double kWorthSayingMm = 0.5;
   if (published.rms_mm <= kWorthSayingMm) return std::nullopt;
   return fmt::format(
-      "This lens bends lines in a way that the league's protocol cannot describe: what is published differs "
-      "by {:.1f} mm on average and {:.1f} mm at most.",
+      "This lens bends lines in a way that the league's protocol cannot describe: the published calibration "
+      "differs by {:.1f} mm on average and {:.1f} mm at most.",
       published.rms_mm, published.worst_mm);
 }
 
 std::string outer_edge_note(const FieldSize& field) {
   const FieldSize by_rules = measured_to_middle(field, LinesMeasured::kToOuterEdge);
   return fmt::format(
-      "The lines lie as if the field's sizes had been measured to the lines' outer edges, not between their "
+      "The line positions match field sizes measured to the outer edges of the lines, not between their "
       "centres as the rules say. This calibration allows for that, but the sizes that teams get do not: "
       "between centres this field is {} x {} mm. Correct its sizes.",
       by_rules.field_length, by_rules.field_width);

@@ -21,9 +21,8 @@ struct JointCalibrationRequest {
     using R = JointCalibrationRequest;
     return std::tuple{
         numbers("cameras", &R::cameras, 0, 255, "ids of the cameras; none: all that are calibrated"),
-        number("frames", &R::frames, 1, 100, "", "images of each camera of which the mean is used"),
-        number("seconds", &R::seconds, 0.0, 600.0, "s",
-               "how long robots are looked for that two cameras see"),
+        number("frames", &R::frames, 1, 100, "", "images to average per camera"),
+        number("seconds", &R::seconds, 0.0, 600.0, "s", "time to search for robots that two cameras see"),
     };
   }
 };

@@ -180,7 +180,7 @@ class CallGate {
 /// The camera's log messages.
 struct CaptureLogs {
   explicit CaptureLogs(const std::string& name)
-      : damages(name, "damaged"), strange_times(name, "with a time that cannot be"), losses(name) {}
+      : damages(name, "damaged"), strange_times(name, "with an impossible time"), losses(name) {}
 
   DamageLog damages, strange_times;
   LossLog losses;
@@ -332,7 +332,7 @@ std::unique_ptr<Source> CameraThread::Shared::try_open() {
   figures.store(now);
   try {
     std::unique_ptr<Source> source = parts.open();
-    if (!source) throw CaptureError("the driver has opened nothing");
+    if (!source) throw CaptureError("the driver opened no source");
     std::vector<std::string> new_warnings = source->warnings();
     if (!stopping()) {
       logs.losses.opened();
@@ -439,7 +439,7 @@ CaptureStatus CameraThread::Shared::poll_once(Source& source, CapturedImage& ima
 void CameraThread::Shared::check_times(CaptureTimes& times) {
   const double given_s = times.t_capture_s, now_s = unix_time_s();
   if (!sanitize_times(times, now_s)) return;
-  std::string problem = fmt::format("{:.3f} s, where the clock says {:.3f} s", given_s, now_s);
+  std::string problem = fmt::format("{:.3f} s, but the clock says {:.3f} s", given_s, now_s);
   logs.strange_times.add(problem);
 }
 

@@ -14,11 +14,11 @@ constexpr double kEarliestS = -0.1;  // clocks synchronised to the same master d
 }  // namespace
 
 std::string find_fault(const ImageView& picture) {
-  if (picture.empty()) return "the driver has handed over no bytes";
+  if (picture.empty()) return "the driver delivered no bytes";
   if (picture.format > PixelFormat::kBayerBg8)
     return fmt::format("pixel format {} does not exist", static_cast<int>(picture.format));
   if (!is_valid_size(picture.format, picture.width, picture.height)) {
-    return fmt::format("{}x{} is no size of a {} image", picture.width, picture.height,
+    return fmt::format("{}x{} is not a valid size of a {} image", picture.width, picture.height,
                        name_of(picture.format));
   }
   if (picture.stride_bytes < std::ptrdiff_t{picture.width} * bytes_per_pixel(picture.format)) {

@@ -26,7 +26,7 @@ struct TileOptions {
         number("width", &O::width, 2, 16384, "px", "even"),
         number("height", &O::height, 2, 16384, "px", "even"),
         object("controls", &O::controls,
-               "what to set on the big camera; the settings of all its tiles are applied"),
+               "settings of the big camera itself; those of all its tiles are applied"),
     };
   }
 };

@@ -89,7 +89,7 @@ struct ClipReader::File {
       const ssize_t count = ::preadv(fd, parts.data(), 2, static_cast<off_t>(place));
       if (count < 0 && errno == EINTR) continue;
       if (count < 0) refuse(fmt::format("cannot be read: {}", std::strerror(errno)));
-      if (count == 0) refuse("has become shorter while it was read");
+      if (count == 0) refuse("became shorter while it was read");
       const auto got = static_cast<std::size_t>(count);
       place += got;
       const std::size_t of_first = std::min(got, first.size());
@@ -107,7 +107,7 @@ struct ClipReader::File {
   void open(const std::stop_token& stop) {
     struct stat status {};
     if (::fstat(fd, &status) != 0) refuse(fmt::format("cannot be read: {}", std::strerror(errno)));
-    if (!S_ISREG(status.st_mode)) refuse("is no clip: it is no file");
+    if (!S_ISREG(status.st_mode)) refuse("is not a clip: not a regular file");
     size = static_cast<std::uint64_t>(status.st_size);
     check_head();
     if (!read_index()) {
@@ -115,7 +115,7 @@ struct ClipReader::File {
       scan(stop);
     }
     put_in_order();
-    if (!has_about) note("what it says about itself is missing or damaged");
+    if (!has_about) note("its metadata is missing or damaged");
     ::posix_fadvise(fd, 0, 0, POSIX_FADV_SEQUENTIAL);
   }
 
@@ -124,16 +124,16 @@ struct ClipReader::File {
     const auto there = std::span(head).first(std::min<std::uint64_t>(size, head.size()));
     read_at(0, there);
     const auto known = clip_head();
-    if (there.empty()) refuse("is no clip: it is empty");
+    if (there.empty()) refuse("is not a clip: it is empty");
     if (std::ranges::equal(there, known)) return;
     constexpr std::size_t kName = kClipMagic.size() - 3;  // without the line ends
     if (!std::ranges::equal(there.first(std::min(there.size(), kName)),
                             std::span(known).first(std::min(there.size(), kName))))
-      refuse("is no clip: it does not begin like one");
-    if (there.size() < head.size()) refuse("is no clip: it ends in its head");
+      refuse("is not a clip: it does not start with the clip signature");
+    if (there.size() < head.size()) refuse("is not a clip: it ends within its header");
     if (!std::ranges::equal(there.first(kClipMagic.size()), std::span(known).first(kClipMagic.size())))
-      refuse("was changed by a transfer as text; transfer it as binary");
-    refuse(fmt::format("version {} of clips is not known; expected {}", u32_at(head, kClipMagic.size()),
+      refuse("was damaged by a transfer in text mode; transfer it in binary mode");
+    refuse(fmt::format("has an unknown clip version {}; expected {}", u32_at(head, kClipMagic.size()),
                        kClipVersion));
   }
 
@@ -214,10 +214,10 @@ struct ClipReader::File {
 
   /// Rebuilds the index from the block heads, up to the first damaged one.
   void scan(const std::stop_token& stop) {
-    note("has no end: it was not finished, or is damaged");
+    note("has no index: it was not finished, or is damaged");
     std::uint64_t place = kClipHeadBytes;
     while (place < size && size - place >= kClipBlockBytes) {
-      if (stop.stop_requested()) refuse("was not read to its end");
+      if (stop.stop_requested()) refuse("was not read to the end");
       std::array<std::byte, kHeadsBytes> bytes{};
       read_at(place, std::span(bytes).first(std::min<std::uint64_t>(bytes.size(), size - place)));
       const auto head = block_head_of(std::span(bytes).first<kClipBlockBytes>());
@@ -244,7 +244,7 @@ struct ClipReader::File {
 
   void add_entry(const Entry& entry) {
     if (entries.size() < kMaxClipBlocks && knows_camera(entry.camera_id)) return entries.push_back(entry);
-    note(fmt::format("has more than {} frames or {} cameras; the rest is left out", kMaxClipBlocks,
+    note(fmt::format("has more than {} frames or {} cameras; the rest is ignored", kMaxClipBlocks,
                      kMaxClipCameras));
   }
   bool knows_camera(std::uint32_t id) {
@@ -408,7 +408,7 @@ struct ClipReader::File {
         image.resize(image_bytes);
       }
       pixels = is_theirs ? room(image_bytes) : image.data();
-      if (pixels == nullptr) refuse("there is no memory for an image");
+      if (pixels == nullptr) refuse("there is not enough memory for an image");
     }
     const auto image_there = std::as_writable_bytes(std::span(pixels, image_bytes));
     read_at(entry.place + kHeadsBytes, frame_bytes, image_there);
@@ -416,14 +416,15 @@ struct ClipReader::File {
     if (there.camera_id != entry.camera_id || there.number != entry.number ||
         there.t_capture_s != entry.t_capture_s || there.has_memory != entry.has_memory ||
         there.is_whole != entry.is_whole)
-      return "is not what the index says";
+      return "does not match the index";
     if (head->setup >= setups.size()) return "has a setup that is not in the clip";
     frame = frame_of(*head, block->camera_id, frame_bytes, head->has_image() ? pixels : nullptr);
     return "";
   }
 
   const ClipFrame& read(std::size_t place, const Room& room) {
-    if (place >= entries.size()) refuse(fmt::format("has {} frames, not one at {}", entries.size(), place));
+    if (place >= entries.size())
+      refuse(fmt::format("has {} frames, but none at index {}", entries.size(), place));
     const Entry& entry = entries[place];
     const std::string why = read_into_frame(entry, room);
     if (why.empty()) return frame;

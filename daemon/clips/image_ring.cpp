@@ -125,7 +125,7 @@ void set_magic(RingHead& head, std::string_view magic) {
 std::size_t room_left_in(const OpenFile& file) {
   // If the file could shrink, reading the mapping could raise SIGBUS.
   const int seals = ::fcntl(file.fd(), F_GET_SEALS);
-  if (seals < 0 || (seals & F_SEAL_SHRINK) == 0) throw ClipError("it is no memory of last seconds");
+  if (seals < 0 || (seals & F_SEAL_SHRINK) == 0) throw ClipError("it is not an image ring");
   struct stat about {};
   if (::fstat(file.fd(), &about) != 0 || about.st_size < static_cast<off_t>(ring_file_bytes(0)))
     throw ClipError("it is too small");
@@ -138,10 +138,10 @@ std::size_t room_left_in(const OpenFile& file) {
   const std::uint64_t room = head.room, size = static_cast<std::uint64_t>(about.st_size);
   ::munmap(page, kRingPage);
   if (magic.starts_with(kRingIsRead)) throw RingWasRead();
-  if (!is_known) throw ClipError("it was left by another version, or ended well");
+  if (!is_known) throw ClipError("it was left by another version, or its process ended normally");
   // The capacity must match the size of the file, so that offsets cannot overflow.
   if (room > size || room != ring_aligned(room) || ring_file_bytes(room) != size)
-    throw ClipError("its size is not the one that it says");
+    throw ClipError("its size does not match its header");
   return static_cast<std::size_t>(room);
 }
 
@@ -410,7 +410,7 @@ void ImageRing::put_setup(std::uint32_t number, const ClipSetup& setup) {
         std::span<const std::byte>(setup.table)}) {
     if (!write_at(file_, part, place)) {
       free_setup(number);
-      throw ClipError("there is no memory for them");
+      throw ClipError("there is not enough memory for them");
     }
     place += part.size();
   }

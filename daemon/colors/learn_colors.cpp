@@ -160,9 +160,7 @@ class Learner {
           bright);
     } else if (clipped > kMaxClippedShare) {
       out_.problem = fmt::format(
-          "the image is over-exposed: {:.0f} % of it is at the upper end; lower exposure or "
-          "gain",
-          100 * clipped);
+          "the image is over-exposed: {:.0f} % of it is saturated; lower exposure or gain", 100 * clipped);
     } else if (colorfulness < kMinColorfulness) {
       out_.problem = "the image is grey: check the camera's saturation and pixel format";
     }
@@ -212,8 +210,8 @@ class Learner {
           task_.frames.size() > 1 ? fmt::format(" in {} images", task_.frames.size()) : "", kNeeded);
     } else if (robots_.size() < kEnoughRobots) {
       out_.notes.push_back(
-          fmt::format("only {} robots were found: with more of them, all over the field, the table "
-                      "holds in more light",
+          fmt::format("only {} robots were found: with more robots all over the field, the table would fit a "
+                      "wider range of light",
                       robots_.size()));
     }
   }
@@ -278,8 +276,9 @@ class Learner {
         if (is_background(sample.label) ||
             (chromaticity_of(color_of(sample.color)) - predicted).norm() > kTooAlike)
           continue;
-        out_.notes.push_back(fmt::format("{} was not seen and is left out: here it is likely to look like {}",
-                                         label::kNames[label], label::kNames[sample.label]));
+        out_.notes.push_back(
+            fmt::format("{} was not seen and is left out: it would probably look like {} here",
+                        label::kNames[label], label::kNames[sample.label]));
         return true;
       }
       return false;
@@ -345,8 +344,8 @@ class Learner {
     }
     if (static_cast<double>(best) < kMinNamed * static_cast<double>(dot_count())) {
       out_.problem = fmt::format(
-          "the colours cannot be told apart: with a table only {} of {} dots would be named for sure; "
-          "there is too little light, or too much noise",
+          "the colours cannot be distinguished: a table would name only {} of {} dots reliably; there is too "
+          "little light, or too much noise",
           best, dot_count());
     } else if (out_.lut) {
       out_.margins = table_margins(*out_.lut, surfaces, task_.stop);

@@ -121,7 +121,7 @@ void LightFollower::take_back() {
   carpet_.trial.reset();
   state_.from_carpet = false;
   taken_back_ = true;
-  freeze("taken back to the accepted table; switch it off and on to follow again");
+  freeze("returned to the accepted table; switch it off and on to follow again");
 }
 
 void LightFollower::switch_off() {
@@ -145,7 +145,7 @@ void LightFollower::observe(const FollowLightParams& params, const Look& look) {
   if (taken_back_) return;
   state_.robots = 0;
   if (!look.scene.camera) return freeze("the camera is not calibrated");
-  if (look.game_is_running && !params.in_match) return freeze("the game runs");
+  if (look.game_is_running && !params.in_match) return freeze("the game is running");
   if (!last_minute_.empty() && look.time_s < last_minute_.back().first) last_minute_.clear();
   while (!last_minute_.empty() && last_minute_.front().first < look.time_s - kMinuteS)
     last_minute_.pop_front();
@@ -160,7 +160,7 @@ void LightFollower::observe(const FollowLightParams& params, const Look& look) {
   }
   const bool followed = follow_robots(params, look, dots);
   if (!followed && has_followed_) {
-    freeze("robots whose colours are not known yet");
+    freeze("the robots' colours are not known yet");
     return try_carpet(params, look, luma);
   }
   if (!followed) state_.following = LightFollowing::kLearning;
@@ -350,9 +350,10 @@ LightFollower::Log3 LightFollower::bounded(const FollowLightParams& params, Log3
     low = std::max(low, -total), high = std::max(low, std::min(high, total));
     const double allowed = std::clamp(wanted, low, high);
     if (std::abs(allowed - wanted) > 0.01 && bound.empty()) {
-      bound = std::abs(allowed) > total - 1e-6
-                  ? fmt::format("the {} is more than a factor {:g} from the accepted table's", what, most)
-                  : fmt::format("the {} moves by more than a factor {:g} in a minute", what, max_per_min);
+      bound =
+          std::abs(allowed) > total - 1e-6
+              ? fmt::format("the {} differs from the accepted table's by more than a factor {:g}", what, most)
+              : fmt::format("the {} changes by more than a factor {:g} in a minute", what, max_per_min);
     }
     return allowed;
   };

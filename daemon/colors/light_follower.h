@@ -51,8 +51,9 @@ struct FollowLightParams {
                "largest factor between the brightness now and any in the last minute"),
         number("max_balance_per_min", &P::max_balance_per_min, 1.0, 4.0, "",
                "the same for red, green and blue against their common brightness"),
-        number("min_confidence", &P::min_confidence, 0.0, 1.0, "", "robots below it are not used"),
-        number("min_robots", &P::min_robots, 1, 16, "", "with fewer confirmed robots it is frozen"),
+        number("min_confidence", &P::min_confidence, 0.0, 1.0, "",
+               "robots below this confidence are not used"),
+        number("min_robots", &P::min_robots, 1, 16, "", "with fewer confirmed robots, the table is frozen"),
     };
   }
 };

@@ -73,10 +73,10 @@ PrintColor print_of(const Json& label, const std::string& file_name) {
     good = is_print(out);
   }
   if (!good) {
-    refuse_file(
-        file_name,
-        "\"print_shares\" are no three whole numbers with sum {:g}, or \"print_spread\" is none 0 .. {:g}",
-        PrintColor::kUnit, PrintColor::kUnit);
+    refuse_file(file_name,
+                "\"print_shares\" must be three whole numbers with sum {:g}, and \"print_spread\" a whole "
+                "number 0 .. {:g}",
+                PrintColor::kUnit, PrintColor::kUnit);
   }
   return out;
 }
@@ -110,7 +110,7 @@ ColorTable table_of_json(Bytes bytes, const std::string& file_name, const LabelS
     const bool nameless = name == LabelSet::built_in().name(static_cast<Label>(value)) && !labels.find(name);
     ours[value] = nameless ? static_cast<Label>(value) : labels.find(name);
     if (!ours[value]) {
-      refuse_file(file_name, "holds the label \"{}\", which is none of {}: add it to own_labels first", name,
+      refuse_file(file_name, "has the label \"{}\", which is not one of {}: add it to own_labels first", name,
                   labels.names());
     }
     if (each.contains("print_shares")) prints[*ours[value]] = print_of(each, file_name);
@@ -119,7 +119,7 @@ ColorTable table_of_json(Bytes bytes, const std::string& file_name, const LabelS
   if (!runs) refuse_file(file_name, "\"runs\" is not complete base64");
   ColorTable table = decode_runs(*runs, bits, file_name);
   for (Label& label : table.labels) {
-    if (!ours[label]) refuse_file(file_name, "holds label {} without its name", label);
+    if (!ours[label]) refuse_file(file_name, "has label {} without its name", label);
     label = *ours[label];
   }
   table.prints = prints;
@@ -198,7 +198,7 @@ ColorTable table_of_blob(const std::string& text, const std::string& name, const
   }
   const auto highest = *std::max_element(bytes->begin(), bytes->begin() + kLutBytes);
   if (highest >= label::kCount) {
-    refuse_file(file_name, "\"{}\" holds label {}; SSL-Vision's are 0 .. {}", name, highest,
+    refuse_file(file_name, "\"{}\" has label {}; SSL-Vision's labels are 0 .. {}", name, highest,
                 label::kCount - 1);
   }
   ColorTable table;
@@ -244,14 +244,14 @@ void collect(const xmlNode& node, const std::string& path, std::optional<int> ca
 std::vector<ImportedTable> tables_of_xml(Bytes bytes, const std::string& file_name) {
   const XmlDocument document = parse_xml(bytes);
   const xmlNode* root = document ? xmlDocGetRootElement(document.get()) : nullptr;
-  if (root == nullptr) refuse_file(file_name, "begins like XML, but cannot be read as such");
+  if (root == nullptr) refuse_file(file_name, "starts like XML, but is not valid XML");
   XmlFinds finds;
   collect(*root, "", std::nullopt, file_name, finds);
   if (finds.tables.empty()) {
     std::string files;
     for (const std::string& file : finds.elsewhere) files += (files.empty() ? "" : ", ") + file;
     if (files.empty()) refuse_file(file_name, "is XML without a LUT (a Var of type \"blob\")");
-    refuse_file(file_name, "holds no LUT; it says they are in {}: choose such a file", files);
+    refuse_file(file_name, "has no LUT; it refers to {}: choose one of these", files);
   }
   return std::move(finds.tables);
 }
@@ -283,7 +283,8 @@ std::string table_json_text(const ColorTable& table, const LabelSet& labels) {
 std::vector<ImportedTable> import_tables(Bytes bytes, const std::string& file_name, const LabelSet& labels) {
   if (bytes.empty()) refuse_file(file_name, "is empty");
   if (bytes.size() > kMaxBytes) {
-    refuse_file(file_name, "has {} bytes; a file of colour tables has {} at most", bytes.size(), kMaxBytes);
+    refuse_file(file_name, "has {} bytes; a file of colour tables may have at most {}", bytes.size(),
+                kMaxBytes);
   }
   const auto alone = [&](const char* format, ColorTable table) {
     std::vector<ImportedTable> out;
@@ -299,7 +300,8 @@ std::vector<ImportedTable> import_tables(Bytes bytes, const std::string& file_na
   while (!text.empty() && std::isspace(text.front()) != 0) text = text.subspan(1);
   if (!text.empty() && text.front() == '<') return tables_of_xml(text, file_name);
   if (!text.empty() && text.front() == '{') return alone("JSON", table_of_json(text, file_name, labels));
-  refuse_file(file_name, "is not a colour table: neither a .lut file, nor our JSON, nor XML of SSL-Vision");
+  refuse_file(file_name,
+              "is not a colour table: neither a .lut file, nor JSON of this program, nor XML of SSL-Vision");
 }
 
 const ImportedTable& choose_table(const std::vector<ImportedTable>& tables, std::optional<std::size_t> index,
@@ -316,7 +318,7 @@ const ImportedTable& choose_table(const std::vector<ImportedTable>& tables, std:
   if (index) refuse_file(file_name, "has no table {}; it has {}", *index, names);
   if (camera)
     refuse_file(file_name, "has {} tables for camera {}; it has {}", fitting.size(), *camera, names);
-  refuse_file(file_name, "has several tables, choose one: {}", names);
+  refuse_file(file_name, "has several tables; choose one: {}", names);
 }
 
 }  // namespace sslv

@@ -290,8 +290,8 @@ NamedDots name_dots(std::span<const SeenRobot> robots, const PatternTable& patte
     kind.names = name_all(kind.groups.means, kind.labels, expected_of(kind));
     if (kind.names.empty()) {
       out.problem = fmt::format(
-          "the {} have {} colours, but they do not differ as {} do: is this the pattern table's kind of "
-          "pattern? Point at one of each colour",
+          "the {} have {} colours, but these do not differ like {}: does the pattern table match the robots? "
+          "Point at one of each colour",
           kind.what, kind.labels.size(), names_of(kind.labels));
       return out;
     }
@@ -302,9 +302,8 @@ NamedDots name_dots(std::span<const SeenRobot> robots, const PatternTable& patte
     kind.names = name_some(kind.groups.means, kind.labels, expected_of(kind));
     if (kind.names.empty()) {
       out.problem = fmt::format(
-          "of the {} only {} of {} colours ({}) can be told apart, and which is not clear: put "
-          "robots of both teams with different ids on the field, in even light, or point at "
-          "the colours",
+          "only {1} of the {2} colours of the {0} ({3}) can be distinguished, and their names are unclear: "
+          "put robots of both teams with different ids on the field, in even light, or point at the colours",
           kind.what, kind.groups.means.size(), kind.labels.size(), names_of(kind.labels));
       return out;
     }

@@ -470,8 +470,8 @@ void apply(const WidenMarginsEdit& edit, ColorTable& table, Brush& brush) {
 
 void apply(const SetTableEdit& edit, ColorTable& table, Brush& brush) {
   if (edit.table.bits != table.bits) {
-    throw SettingsError(fmt::format("a table of {} bits a channel cannot take the place of one of {}",
-                                    edit.table.bits, table.bits));
+    throw SettingsError(
+        fmt::format("a table of {} bits per channel cannot replace one of {}", edit.table.bits, table.bits));
   }
   set_all(edit.table, table, brush);
 }
@@ -494,14 +494,14 @@ struct WhatItDid {
   }
   std::string operator()(const SmoothEdit& edit) const { return "smoothed " + labels.name(edit.label); }
   std::string operator()(const ReplaceEdit& edit) const {
-    return fmt::format("replaced {} by {}", labels.name(edit.from), labels.name(edit.to));
+    return fmt::format("replaced {} with {}", labels.name(edit.from), labels.name(edit.to));
   }
   std::string operator()(const RemoveEdit& edit) const { return "removed " + labels.name(edit.label); }
   std::string operator()(const AddClusterEdit& edit) const {
     return "added colours to " + labels.name(edit.label);
   }
   std::string operator()(const RemoveClusterEdit& edit) const {
-    return edit.only ? "took colours from " + labels.name(*edit.only) : "cleared colours";
+    return edit.only ? "removed colours from " + labels.name(*edit.only) : "cleared colours";
   }
   std::string operator()(const WidenMarginsEdit&) const { return "widened the margins to carpet and floor"; }
   std::string operator()(const SetTableEdit& edit) const { return edit.what; }

@@ -142,7 +142,7 @@ ColorCluster Keys::cluster() {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix, Eigen::EigenvaluesOnly);
   if ((matrix - matrix.transpose()).cwiseAbs().maxCoeff() > 1e-6 * kMaxVariance ||
       solver.eigenvalues().minCoeff() < -1e-6 * kMaxVariance) {
-    refuse(at("covariance"), *covariance, "a covariance: symmetric, no direction with less than none");
+    refuse(at("covariance"), *covariance, "a covariance: symmetric and positive semidefinite");
   }
   out.spread = spread;
   return out;

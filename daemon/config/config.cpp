@@ -238,11 +238,9 @@ CameraContext make_context(const Config& config, std::size_t i, std::shared_ptr<
   const std::string colors_path = camera_path(i) + "/colors";
   if (!lut && !camera.colors.table.empty() && !load_table) {
     throw SettingsError(
-        fmt::format("{}/table: \"{}\" is kept by the service that saved it, beside its settings; take "
-                    "settings with their "
-                    "tables to another computer with ssl-visionctl backup and restore, or export the table "
-                    "there and name "
-                    "the file in lut_file",
+        fmt::format("{}/table: \"{}\" is stored with the settings of the service that saved it; move "
+                    "settings with their tables to another computer with ssl-visionctl backup and restore, "
+                    "or export the table there and name the file in lut_file",
                     colors_path, camera.colors.table));
   }
   if (!lut && !camera.colors.table.empty())

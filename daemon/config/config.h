@@ -72,12 +72,12 @@ struct FieldSettings : FieldSize {
     return std::tuple_cat(
         FieldSize::fields(),
         std::tuple{
-            names("stack", &F::stack,
-                  "the stages that what the cameras see passes, in order; none: no tracks", 64),
+            names("stack", &F::stack, "stages that process the cameras' results, in order; none: no tracks",
+                  64),
             object("stages", &F::stages, "parameters of the field's stages"),
             names("other_computers", &F::other_computers,
-                  "IPv4 addresses of this field's other computers with cameras: what they see is used for "
-                  "tracks. The cameras of all others that send to the vision group are only shown",
+                  "IPv4 addresses of this field's other computers with cameras: their detections are used "
+                  "for tracks. Cameras of other senders to the vision group are only shown",
                   limits::kMaxComputers),
         });
   }
@@ -135,14 +135,14 @@ struct CameraSettings {
     using C = CameraSettings;
     return std::tuple{
         number("id", &C::id, 0, 255, "", "camera_id in the packets"),
-        text("name", &C::name, "a name for people, such as the part of the field it sees"),
+        text("name", &C::name, "a name for people, such as the part of the field that the camera sees"),
         object("source", &C::source, "where images come from: \"backend\" and that backend's options"),
         group("calibration", &C::calibration,
               "named as in SSL_GeometryCameraCalibration; null: not calibrated yet"),
         group("colors", &C::colors, "the colour lookup table"),
         group("follow_light", &C::follow_light, "whether the table follows the light, and how far"),
         group("mask", &C::mask, "which part of the image is searched"),
-        names("stack", &C::stack, "the stages an image passes, in order", 64),
+        names("stack", &C::stack, "stages that process an image, in order", 64),
         object("stages", &C::stages, "parameters of the stages"),
         group("thread", &C::thread, "priority and processor of the camera's thread"),
     };
@@ -164,7 +164,7 @@ struct Config {
     return std::tuple{
         text("site", &Config::site, "name of the field, shown in the panel"),
         group("field", &Config::field,
-              "the playing field: sizes and lines; what is made of all that its cameras see"),
+              "the playing field: sizes and lines, and the processing of all its cameras' results"),
         group("ball_models", &Config::ball_models, "how the ball slows down; null: not published"),
         group("teams", &Config::teams, "names and heights of the teams"),
         file("patterns_file", &Config::patterns_file, "a pattern table; empty: the league's 16 patterns"),
@@ -172,7 +172,7 @@ struct Config {
              "labels of colour tables besides the built-in ones, for patterns of your own",
              label::kMaxCount - label::kCount),
         group("network", &Config::network, "where packets are sent to and received from"),
-        group("recording", &Config::recording, "which matches are recorded, and how much room that may take"),
+        group("recording", &Config::recording, "which matches are recorded, and the disk space for them"),
         group("panel", &Config::panel, "where the web panel listens"),
         list("cameras", &Config::cameras, "the cameras of this daemon", limits::kMaxCameras),
     };

@@ -53,16 +53,16 @@ bool is_refused(const Config& config, const std::string& why) {
 std::string missing_text(const RunningStack& running) {
   std::string out;
   if (!running.missing.empty()) {
-    out = fmt::format("{}, which {} not there", listed("without the", running.missing),
+    out = fmt::format("{}, which {} not installed", listed("without the", running.missing),
                       running.missing.size() == 1 ? "is" : "are");
   }
   for (const RefusedStage& stage : running.refused) {
-    out += fmt::format("{}without the stage '{}', whose parameters are of another version ({})",
+    out += fmt::format("{}without the stage '{}', whose parameters are for another version ({})",
                        out.empty() ? "" : "; ", stage.name, stage.why);
   }
   if (!running.idle.empty()) {
     const bool is_one = running.idle.size() == 1;
-    out += fmt::format("; {} need{} what is missing and do{} not run either", quoted_list(running.idle),
+    out += fmt::format("; {} depend{} on a missing stage and do{} not run either", quoted_list(running.idle),
                        is_one ? "s" : "", is_one ? "es" : "");
   }
   return out;
@@ -74,10 +74,10 @@ std::string missing_fix(const RunningStack& running) {
     out +=
         fmt::format("{}{} {}", out.empty() ? "" : "; ", escaped_text(one.file.filename().string()), one.why);
   if (running.missing.empty()) {
-    out = "Correct the parameters, or take the stage out of the stack.";
+    out = "Correct the parameters, or remove the stage from the stack.";
   } else {
-    if (out.empty()) out = "No library in the folders of stages brings it";
-    out += ". Install it and restart the service, or take it out of the stack.";
+    if (out.empty()) out = "No stage library provides it";
+    out += ". Install a matching library and restart the service, or remove the stage from the stack.";
   }
   return out;
 }
@@ -85,7 +85,7 @@ std::string missing_fix(const RunningStack& running) {
 void refuse_new_missing(const Config& now, const Config& next) {
   const auto check = [&now](const std::string& name, const std::string& path) {
     if (is_named(now, name)) return;
-    throw SettingsError(fmt::format("{}: the stage '{}' is not there", path, shortened(name)));
+    throw SettingsError(fmt::format("{}: the stage '{}' is not installed", path, shortened(name)));
   };
   const auto check_part = [&](const auto& part, auto table, const std::string& path) {
     for (const std::string& name : part.running.missing) check(name, path + "/stack");

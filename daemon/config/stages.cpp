@@ -61,7 +61,7 @@ void check_names(const std::vector<BasicStageType<Floor>>& rows,
     const auto has_its_name = [&](const auto& other) { return other.name == row->name; };
     if (std::any_of(rows.begin(), row, has_its_name) || std::ranges::any_of(table, has_its_name))
       throw StageLibraryError(
-          fmt::format("has a stage '{}', and there is one of that name already", row->name));
+          fmt::format("has a stage '{}', but another stage already has this name", row->name));
   }
 }
 
@@ -84,21 +84,22 @@ struct NewParts {
         if (known == parts.end()) {
           parts.push_back(use.type);
         } else if (known->layout != use.type.layout) {
-          throw StageLibraryError(
-              fmt::format("has the part '{}' with another layout than the library before it", use.type.name));
+          throw StageLibraryError(fmt::format(
+              "defines the part '{}' with a different layout than an earlier library", use.type.name));
         }
         const auto [place, is_new] = places.emplace(use.place, use.type.name);
         if (!is_new && place->second != use.type.name) {
           throw StageLibraryError(
-              fmt::format("has one place for its part '{}' and for the part '{}': build it with hidden "
+              fmt::format("stores its part '{}' and the part '{}' in the same place: build it with hidden "
                           "visibility (-fvisibility=hidden)",
                           use.type.name, place->second));
         }
       }
     }
     if (parts.size() > kMaxOwnParts) {
-      throw StageLibraryError(fmt::format(
-          "has parts of its own with which there are {}; there is room for {}", parts.size(), kMaxOwnParts));
+      throw StageLibraryError(
+          fmt::format("brings the total of libraries' own parts to {}; at most {} are allowed", parts.size(),
+                      kMaxOwnParts));
     }
   }
 };
@@ -133,10 +134,10 @@ const std::vector<StageType>& own_stages() {
 
 const std::vector<FieldStageType>& own_field_stages() {
   static const std::vector kStages{
-      field_stage<Gather>("gather", "takes what a camera saw, once it makes sense"),
-      field_stage<Clocks>("clocks", "says when an image was really taken"),
-      field_stage<Agreement>("agreement", "learns what cameras differ by, and takes it off"),
-      field_stage<Track>("track", "follows robots and balls, and says where they are now"),
+      field_stage<Gather>("gather", "accepts valid camera results"),
+      field_stage<Clocks>("clocks", "corrects capture times"),
+      field_stage<Agreement>("agreement", "learns and removes offsets between cameras"),
+      field_stage<Track>("track", "tracks robots and balls and estimates their current state"),
       field_stage<PublishField>("publish", "sends the tracks, and shows them in the panel"),
   };
   return kStages;

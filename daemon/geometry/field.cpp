@@ -56,7 +56,7 @@ void check_names(const std::vector<Shape>& shapes, const std::string& path,
       refuse(here + "/name", name, "a name of at most " + std::to_string(kMaxShapeName) + " bytes");
     }
     const auto [first, is_new] = path_of_name.emplace(name, here);
-    if (!is_new) refuse(here + "/name", name, "a name that " + first->second + " does not have");
+    if (!is_new) refuse(here + "/name", name, "a name other than that of " + first->second);
   }
 }
 

@@ -27,7 +27,7 @@ struct FieldLine {
   static constexpr auto fields() {
     constexpr double kFar = 100'000;
     return std::tuple{
-        text("name", &FieldLine::name, "as in SSL_FieldShapeType where it is one of those", kMaxShapeName),
+        text("name", &FieldLine::name, "a name of SSL_FieldShapeType for a standard line", kMaxShapeName),
         number("x1", &FieldLine::x1, -kFar, kFar, "mm", "one end, in the middle of the paint"),
         number("y1", &FieldLine::y1, -kFar, kFar, "mm", "one end"),
         number("x2", &FieldLine::x2, -kFar, kFar, "mm", "the other end"),
@@ -46,13 +46,12 @@ struct FieldArc {
   static constexpr auto fields() {
     constexpr double kFar = 100'000, kTwoTurns = 4 * std::numbers::pi;
     return std::tuple{
-        text("name", &FieldArc::name, "as in SSL_FieldShapeType where it is one of those", kMaxShapeName),
+        text("name", &FieldArc::name, "a name of SSL_FieldShapeType for a standard arc", kMaxShapeName),
         number("x", &FieldArc::x, -kFar, kFar, "mm", "centre"),
         number("y", &FieldArc::y, -kFar, kFar, "mm", "centre"),
-        number("radius", &FieldArc::radius, 0.0, kFar, "mm", "to the middle of the paint"),
-        number("a1", &FieldArc::a1, -kTwoTurns, kTwoTurns, "rad",
-               "where it begins, counter-clockwise from +x"),
-        number("a2", &FieldArc::a2, -kTwoTurns, kTwoTurns, "rad", "where it ends, not below a1"),
+        number("radius", &FieldArc::radius, 0.0, kFar, "mm", "radius to the middle of the paint"),
+        number("a1", &FieldArc::a1, -kTwoTurns, kTwoTurns, "rad", "start angle, counter-clockwise from +x"),
+        number("a2", &FieldArc::a2, -kTwoTurns, kTwoTurns, "rad", "end angle, not below a1"),
         number("thickness", &FieldArc::thickness, 0.0, 500.0, "mm", "width of the paint; 0: line_thickness"),
     };
   }
@@ -81,12 +80,12 @@ struct FieldSize {
   static constexpr auto fields() {
     return std::tuple{
         number("field_length", &FieldSize::field_length, 100, 100'000, "mm",
-               "between the centres of the goal lines"),
+               "distance between the centres of the goal lines"),
         number("field_width", &FieldSize::field_width, 100, 100'000, "mm",
-               "between the centres of the touch lines"),
+               "distance between the centres of the touch lines"),
         number("goal_width", &FieldSize::goal_width, 0, 20'000, "mm", "inner width of a goal"),
         number("goal_depth", &FieldSize::goal_depth, 0, 20'000, "mm",
-               "of a goal, from the goal line's outer edge"),
+               "depth of a goal, from the goal line's outer edge"),
         number("goal_height", &FieldSize::goal_height, 0, 5'000, "mm", "height of a goal"),
         number("boundary_width", &FieldSize::boundary_width, 0, 20'000, "mm", "floor behind the touch lines"),
         number("boundary_width_goal_line", &FieldSize::boundary_width_goal_line, 0, 20'000, "mm",
@@ -94,19 +93,22 @@ struct FieldSize {
         number(
             "goal_substitution_area_width", &FieldSize::goal_substitution_area_width, 0, 100'000, "mm",
             "substitution area in front of the walls behind the goals; 0: there is none, and it is not sent"),
-        number("penalty_area_depth", &FieldSize::penalty_area_depth, 0, 50'000, "mm", "defence area along x"),
+        number("penalty_area_depth", &FieldSize::penalty_area_depth, 0, 50'000, "mm",
+               "size of the defence area along x"),
         number("penalty_area_width", &FieldSize::penalty_area_width, 0, 100'000, "mm",
-               "defence area along y"),
-        number("center_circle_radius", &FieldSize::center_circle_radius, 0, 50'000, "mm", "centre circle"),
+               "size of the defence area along y"),
+        number("center_circle_radius", &FieldSize::center_circle_radius, 0, 50'000, "mm",
+               "radius of the centre circle"),
         number("line_thickness", &FieldSize::line_thickness, 1, 500, "mm", "width of the painted lines"),
         number("goal_center_to_penalty_mark", &FieldSize::goal_center_to_penalty_mark, 0, 100'000, "mm",
-               "from the goal's centre to the penalty mark"),
+               "distance from the goal's centre to the penalty mark"),
         number("ball_radius", &FieldSize::ball_radius, 5.0, 200.0, "mm", "radius of the ball"),
-        number("max_robot_radius", &FieldSize::max_robot_radius, 20.0, 1000.0, "mm", "largest robot"),
+        number("max_robot_radius", &FieldSize::max_robot_radius, 20.0, 1000.0, "mm",
+               "radius of the largest robot"),
         list("field_lines", &FieldSize::field_lines,
-             "the painted lines, instead of those that the sizes give; null: those", kMaxShapes),
-        list("field_arcs", &FieldSize::field_arcs,
-             "the painted arcs, instead of those that the sizes give; null: those", kMaxShapes),
+             "the painted lines; null: those that follow from the sizes", kMaxShapes),
+        list("field_arcs", &FieldSize::field_arcs, "the painted arcs; null: those that follow from the sizes",
+             kMaxShapes),
     };
   }
 };

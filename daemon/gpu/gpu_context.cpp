@@ -96,7 +96,7 @@ bool GpuContext::open(void* display, const std::string& way, std::string& tried)
   display_ = display;
   const char* extensions = eglQueryString(display_, EGL_EXTENSIONS);
   if (!has(extensions, "EGL_KHR_surfaceless_context") || !has(extensions, "EGL_KHR_create_context"))
-    return failed("has no contexts without a surface");
+    return failed("supports no contexts without a surface");
   if (!make_context()) return failed("has no OpenGL ES 3, " + egl_error());
   const Use use(*this);
   if (!use) return failed("its context cannot be used, " + egl_error());

@@ -194,18 +194,18 @@ bool GpuThreshold::make_labels(const GroupedImage& grouped, const Mask* mask, co
   };
   const auto make = [&](auto& way) {
     std::uint8_t* memory = way.image_memory(grouped);
-    if (memory == nullptr) return fail("the GPU gives no memory for the image");
+    if (memory == nullptr) return fail("the GPU provided no memory for the image");
     copy_rows(view, used_row_bytes(view, labels), grouped, memory, rows);
-    if (!way.upload(grouped)) return fail("the GPU lost the image on its way");
+    if (!way.upload(grouped)) return fail("the upload of the image failed");
     step(&Steps::upload);
     if (steps != nullptr && timer_) timer_->begin();
     way.run(grouped);
     if (steps != nullptr && timer_) timer_->end();
     step(&Steps::shader);
     const std::uint8_t* found = way.labels(grouped);
-    if (found == nullptr) return fail("the GPU gives no labels");
+    if (found == nullptr) return fail("the GPU provided no labels");
     copy_labels(mask, found, grouped.label_row_bytes(), labels);
-    if (!way.release_labels()) return fail("the GPU lost the labels on their way");
+    if (!way.release_labels()) return fail("the read-back of the labels failed");
     step(&Steps::read_back);
     return true;
   };

@@ -134,25 +134,24 @@ void GpuThresholdStage::tell(const Told& now, const GpuWorker::Status& status, S
   };
   switch (now.kind) {
     case Told::Kind::kNothing: break;
-    case Told::Kind::kNever: say(false, "The CPU labels all images, as it is set."); break;
-    case Told::Kind::kNoThread: say(true, "The system gives no thread for the GPU: the CPU labels."); break;
+    case Told::Kind::kNever: say(false, "The CPU labels all images, as configured."); break;
+    case Told::Kind::kNoThread: say(true, "No thread for the GPU is available: the CPU labels."); break;
     case Told::Kind::kHangs:
       say(true, NoteText("GPU ({}) does not answer: the CPU labels until it does.",
                          status.name.empty() ? "being opened" : status.name));
       break;
     case Told::Kind::kSoftware:
-      say(false, NoteText("GPU ({}) is a program on the CPU: it is not used.", status.name));
+      say(false, NoteText("GPU ({}) is a software renderer: it is not used.", status.name));
       break;
     case Told::Kind::kMeasuring: say(false, NoteText("GPU ({}): it is being measured.", status.name)); break;
     case Told::Kind::kMeasured: {
       const auto& [gpu, cpu] = *choice_.measured();
       const auto ms = [](std::chrono::nanoseconds time) { return Milliseconds(time).count(); };
       const bool uses_gpu = is_wanted || choice_.measured()->gpu_is_faster();
-      say(false,
-          NoteText("GPU ({}): {:.2f} ms an image ({:.2f} ms of processor time); CPU: {:.2f} ms: the {} is "
-                   "used{}.",
-                   status.name, ms(gpu.time), ms(gpu.cpu_time), ms(cpu.time), uses_gpu ? "GPU" : "CPU",
-                   is_wanted ? ", as it is set" : ""));
+      say(false, NoteText("GPU ({}): {:.2f} ms an image ({:.2f} ms of processor time); CPU: {:.2f} ms: the "
+                          "{} is used{}.",
+                          status.name, ms(gpu.time), ms(gpu.cpu_time), ms(cpu.time), uses_gpu ? "GPU" : "CPU",
+                          is_wanted ? ", as configured" : ""));
       break;
     }
     case Told::Kind::kStatus: say_status(status, is_wanted, notes); break;
@@ -168,7 +167,7 @@ void GpuThresholdStage::say_status(const GpuWorker::Status& status, bool is_want
     case GpuWorker::Status::Kind::kOpen: break;
     case GpuWorker::Status::Kind::kNoGpu: {
       // Warn only if the admin requires a GPU.
-      const NoteText text("The CPU labels: {:.160}; next try in {:.0f} s.", status.problem, wait_s);
+      const NoteText text("Labelling on the CPU: {:.160}; next try in {:.0f} s.", status.problem, wait_s);
       is_wanted ? notes.warn(text) : notes.say(text);
       break;
     }
@@ -178,8 +177,8 @@ void GpuThresholdStage::say_status(const GpuWorker::Status& status, bool is_want
       break;
     }
     case GpuWorker::Status::Kind::kLost:
-      notes.warn(NoteText("GPU ({:.60}) is lost: {:.100}; the CPU labels, next try in {:.0f} s.", status.name,
-                          status.problem, wait_s));
+      notes.warn(NoteText("GPU ({:.60}) is lost: {:.100}; labelling on the CPU, next try in {:.0f} s.",
+                          status.name, status.problem, wait_s));
       break;
   }
 }

@@ -32,8 +32,8 @@ class GpuThresholdStage {
           choice("use", &Params::use,
                  std::array{Choice<Use>{"when_faster", Use::kWhenFaster}, Choice<Use>{"always", Use::kAlways},
                             Choice<Use>{"never", Use::kNever}},
-                 "the GPU: when_faster measures it and the CPU on the camera's own images; "
-                 "always also when it is slower; never leaves it alone")};
+                 "use of the GPU: when_faster measures it and the CPU on the camera's own images; always "
+                 "uses it even if it is slower; never leaves it alone")};
     }
   };
 

@@ -4,5 +4,4 @@
 #include "kit/stages.h"
 
 SSLV_STAGES(sslv::stage<sslv::GpuThresholdStage>(
-    "gpu_threshold",
-    "labels pixels by colour in the place of threshold, on a GPU where that is faster than the CPU"))
+    "gpu_threshold", "labels pixels by colour like threshold, on the GPU if it is faster"))

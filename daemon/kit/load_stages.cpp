@@ -60,7 +60,7 @@ void check_params(const BasicStageType<Floor>& row) {
   for (const auto& [key, one] : schema.at("properties").items()) {
     if (!is_finite(one))
       throw std::runtime_error(
-          fmt::format("its parameter '{}' has a default or a range that is no finite number", key));
+          fmt::format("its parameter '{}' has a default or a range that is not a finite number", key));
   }
   const std::string path = "its parameters: /" + row.name;
   const Json defaults = row.parse(Json::object(), path).complete;
@@ -171,7 +171,7 @@ class Trial {
     const int status = process_.end();
     if (is_said()) return first_line(said_);
     if (is_late) {
-      return fmt::format("is not loaded within {:.3g} seconds", std::chrono::duration<double>(had).count());
+      return fmt::format("did not load within {:.3g} seconds", std::chrono::duration<double>(had).count());
     }
     if (WIFSIGNALED(status))
       return fmt::format("crashes while it is loaded ({})", sigdescr_np(WTERMSIG(status)));
@@ -181,7 +181,7 @@ class Trial {
  private:
   bool is_said() const { return said_.find('\n') != std::string::npos; }
   [[noreturn]] static void fail(int why) {
-    throw StageLibraryError(fmt::format("cannot be tried: {}", std::generic_category().message(why)));
+    throw StageLibraryError(fmt::format("cannot be tested: {}", std::generic_category().message(why)));
   }
 
   OpenFile answer_;
@@ -256,14 +256,15 @@ template <class Floor>
 void check_row(const BasicStageType<Floor>& row) {
   constexpr std::size_t kLongestName = 40, kLongestPart = 60, kLongestHelp = 500;
   if (!is_name(row.name, kLongestName)) {
-    throw StageLibraryError(fmt::format("has a stage '{}'; a name has 1 to {} characters of a-z, 0-9 and _",
-                                        escaped_text(row.name.substr(0, kLongestName)), kLongestName));
+    throw StageLibraryError(
+        fmt::format("has a stage with the invalid name '{}'; expected 1 to {} characters of a-z, 0-9 and _",
+                    escaped_text(row.name.substr(0, kLongestName)), kLongestName));
   }
   try {
     for (const OwnPartUse& use : row.own_parts) {
       if (is_name(use.type.name, kLongestPart)) continue;
       throw std::runtime_error(
-          fmt::format("its part '{}' has a name that is none: 1 to {} characters of a-z, 0-9 and _",
+          fmt::format("its part '{}' has an invalid name; expected 1 to {} characters of a-z, 0-9 and _",
                       escaped_text(use.type.name.substr(0, kLongestPart)), kLongestPart));
     }
     check_plain_text(row.help, "its help");
@@ -284,14 +285,14 @@ StageRows load_rows(const std::filesystem::path& file) {
   void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (library == nullptr) {
     const char* problem = dlerror();
-    std::string why = first_line(problem == nullptr ? "nobody says why" : problem);
+    std::string why = first_line(problem == nullptr ? "reason unknown" : problem);
     // dlerror() begins with the file's name, which the caller prints before this text.
     if (why.starts_with(file.string() + ": ")) why.erase(0, file.string().size() + 2);
     throw StageLibraryError(fmt::format("cannot be loaded: {}", why));
   }
   // POSIX permits this conversion to a function pointer.
   const auto function = reinterpret_cast<StageRowsFunction>(dlsym(library, kStageRowsFunction));
-  if (function == nullptr) throw StageLibraryError("names no stages: SSLV_STAGES(...) is missing");
+  if (function == nullptr) throw StageLibraryError("exports no stages: SSLV_STAGES(...) is missing");
   StageRows rows;
   function(rows);
   return rows;

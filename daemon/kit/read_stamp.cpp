@@ -32,10 +32,10 @@ std::string processor_name(unsigned machine) {
   switch (machine) {
     case EM_X86_64: return "x86-64";
     case EM_AARCH64: return "aarch64";
-    case EM_386: return "x86 of 32 bits";
-    case EM_ARM: return "ARM of 32 bits";
+    case EM_386: return "32-bit x86";
+    case EM_ARM: return "32-bit ARM";
     case EM_RISCV: return "RISC-V";
-    default: return fmt::format("processor {} of ELF's list", machine);
+    default: return fmt::format("ELF machine type {}", machine);
   }
 }
 
@@ -50,7 +50,7 @@ class ElfFile {
     struct stat about {};
     if (::fstat(file_, &about) == 0 && S_ISREG(about.st_mode)) return;
     ::close(file_);
-    throw StageLibraryError("is no regular file");
+    throw StageLibraryError("is not a regular file");
   }
   ~ElfFile() { ::close(file_); }
   ElfFile(const ElfFile&) = delete;
@@ -73,7 +73,7 @@ class ElfFile {
       offset += static_cast<std::uint64_t>(count);
       bytes -= static_cast<std::size_t>(count);
     }
-    if (bytes > 0) throw StageLibraryError("is cut off or no shared object");
+    if (bytes > 0) throw StageLibraryError("is truncated or not a shared object");
   }
 
  private:
@@ -91,25 +91,25 @@ StageStamp read_stamp(const std::filesystem::path& file) {
   ElfFile elf(file);
   std::array<unsigned char, EI_NIDENT> ident{};
   elf.read(0, ident.data(), SELFMAG);
-  if (std::memcmp(ident.data(), ELFMAG, SELFMAG) != 0) throw StageLibraryError("is no shared object");
+  if (std::memcmp(ident.data(), ELFMAG, SELFMAG) != 0) throw StageLibraryError("is not a shared object");
   elf.read(0, ident.data(), ident.size());
   if (ident[EI_CLASS] != ELFCLASS64 || ident[EI_DATA] != ELFDATA2LSB) {
     throw StageLibraryError(fmt::format(
-        "is made for a processor of {} bits and the other byte order or size; this program runs on {}",
+        "is made for a {}-bit processor with another byte order or word size; this program runs on {}",
         ident[EI_CLASS] == ELFCLASS64 ? 64 : 32, processor_name(kThisProcessor)));
   }
   const auto header = elf.at<Elf64_Ehdr>(0);
   if (header.e_machine != kThisProcessor) {
-    throw StageLibraryError(fmt::format("is made for {}, this program runs on {}",
+    throw StageLibraryError(fmt::format("is made for {}; this program runs on {}",
                                         processor_name(header.e_machine), processor_name(kThisProcessor)));
   }
-  if (header.e_type != ET_DYN) throw StageLibraryError("is no shared object");
+  if (header.e_type != ET_DYN) throw StageLibraryError("is not a shared object");
   const auto section = [&](std::uint64_t index) {
     return elf.at<Elf64_Shdr>(header.e_shoff + index * sizeof(Elf64_Shdr));
   };
   constexpr std::string_view kNoStamp =
-      "has no stamp of the stage kit: build it with the package ssl-visiond-stages-dev, and name its stages "
-      "with SSLV_STAGES";
+      "has no stamp of the stage kit: build it with the package ssl-visiond-stages-dev, and export its "
+      "stages with SSLV_STAGES";
   if (header.e_shoff == 0 || header.e_shstrndx >= header.e_shnum)
     throw StageLibraryError(std::string(kNoStamp));
   const Elf64_Shdr names = section(header.e_shstrndx);
@@ -134,13 +134,14 @@ StageStamp read_stamp(const std::filesystem::path& file) {
 
 void check_stamp(const StageStamp& stamp) {
   static constexpr StageStamp kOurs = this_stamp();
-  const std::string_view again = "build it again with this version's ssl-visiond-stages-dev";
+  const std::string_view again = "rebuild it with this version's ssl-visiond-stages-dev";
   if (stamp.kit_version != kKitVersion) {
-    throw StageLibraryError(fmt::format("is built for version {} of the stage kit, this is version {}: {}",
-                                        stamp.kit_version, kKitVersion, again));
+    throw StageLibraryError(
+        fmt::format("is built for version {} of the stage kit, but this is version {}: {}", stamp.kit_version,
+                    kKitVersion, again));
   }
   if (stamp.compiler != kOurs.compiler) {
-    throw StageLibraryError(fmt::format("is built with {}, this program with {}: {}",
+    throw StageLibraryError(fmt::format("is built with {}, but this program with {}: {}",
                                         escaped_text(text_in(stamp.compiler)), kStampCompiler, again));
   }
   for (std::size_t i = 0; i < kOurs.types.size(); ++i) {
@@ -149,13 +150,13 @@ void check_stamp(const StageStamp& stamp) {
     const std::string name = escaped_text(text_in(ours.size == 0 ? theirs.name : ours.name));
     if (theirs.size == ours.size && theirs.alignment != ours.alignment) {
       throw StageLibraryError(
-          fmt::format("has another alignment of {} ({} bytes) than this program ({} bytes): build it again "
+          fmt::format("has a different alignment of {} ({} bytes) than this program ({} bytes): rebuild it "
                       "without options for one processor (-march=native)",
                       name, theirs.alignment, ours.alignment));
     }
     throw StageLibraryError(
-        fmt::format("has another layout of {} ({} bytes) than this program ({} bytes): {}", name, theirs.size,
-                    ours.size, again));
+        fmt::format("has a different layout of {} ({} bytes) than this program ({} bytes): {}", name,
+                    theirs.size, ours.size, again));
   }
 }
 

@@ -160,7 +160,7 @@ void MulticastSender::keep(int socket) {
   const std::size_t place = 1 - newest_place_;
   const int number =
       sockets_[place] < 0 ? ::fcntl(socket, F_DUPFD_CLOEXEC, 0) : ::dup3(socket, sockets_[place], O_CLOEXEC);
-  if (number < 0) throw std::system_error(errno, std::generic_category(), "no socket");
+  if (number < 0) throw std::system_error(errno, std::generic_category(), "cannot open a socket");
   // A slot is written only once, before any sender uses it, because senders read it without a lock.
   if (sockets_[place] < 0) sockets_[place] = number;
   newest_place_ = place;

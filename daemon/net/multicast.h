@@ -41,8 +41,8 @@ struct MulticastSettings {
              "255.255.255.255 or the subnet's, such as 10.0.0.255; empty: none"),
         number("port", &M::port, 1, 65535, "", "UDP port that teams listen to"),
         text("interface", &M::interface,
-             "name or IPv4 address of the network card on the field's network; empty: the system's routes "
-             "choose"),
+             "name or IPv4 address of the network card on the field's network; empty: chosen by the "
+             "system's routes"),
         number("ttl", &M::ttl, 1, 255, "", "routers that a packet may pass, plus one"),
         flag("loopback", &M::loopback,
              "programs on this computer receive the packets too; they always receive broadcasts"),

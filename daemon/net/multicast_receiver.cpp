@@ -201,7 +201,8 @@ class MulticastReceiver::Listener {
       owner_.error_ = std::move(error);
     }
     if (broadcast_error != owner_.broadcast_error_) {
-      if (!broadcast_error.empty()) log::warning("multicast: broadcasts are not heard: {}", broadcast_error);
+      if (!broadcast_error.empty())
+        log::warning("multicast: broadcasts are not received: {}", broadcast_error);
       owner_.broadcast_error_ = std::move(broadcast_error);
     }
   }

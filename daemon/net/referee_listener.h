@@ -29,7 +29,7 @@ struct RefereeSettings {
     return std::tuple{
         flag("enabled", &R::enabled, "listen to the game controller"),
         text("group", &R::group,
-             "IPv4 multicast address that the game controller sends to; its broadcasts are heard as well"),
+             "IPv4 multicast address that the game controller sends to; its broadcasts are received as well"),
         number("port", &R::port, 1, 65535, "", "UDP port that the game controller sends to"),
         text("interface", &R::interface,
              "name or IPv4 address of the network card on the game controller's network; empty: the "

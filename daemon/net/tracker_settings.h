@@ -24,7 +24,7 @@ struct TrackerSettings {
              "IPv4 multicast or broadcast address that teams listen to for tracks; they go to "
              "network/vision/broadcast as well"),
         number("port", &T::port, 1, 65535, "", "UDP port that teams listen to for tracks"),
-        text("source_name", &T::source_name, "by which programs tell our tracks from those of others", 60),
+        text("source_name", &T::source_name, "name that identifies our tracks to other programs", 60),
     };
   }
 };

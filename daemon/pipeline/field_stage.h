@@ -56,7 +56,7 @@ struct FieldFloor {
       Part{"tracked", &FieldFrame::tracked},
   };
   static constexpr PartSet kProvided{0b1};  // arrived
-  static constexpr std::string_view kProvider = "what hears the cameras";
+  static constexpr std::string_view kProvider = "the camera input";
 
   struct Inputs {
     FieldFrame& frame;

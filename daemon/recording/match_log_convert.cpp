@@ -84,7 +84,7 @@ ConvertedMatchLog convert_match_log(const std::filesystem::path& from, const std
   }
   if (!name.ends_with(".log"))
     throw StorageError(fmt::format("{}: expected a name that ends with .log or .log.gz", name));
-  if (std::filesystem::exists(to)) throw StorageError(fmt::format("{}: is there already", name));
+  if (std::filesystem::exists(to)) throw StorageError(fmt::format("{}: already exists", name));
   PlainLog plain(to);
   auto out = copy_messages(reader, [&](const LoggedMessage& message) { plain.add(message); });
   plain.finish();

@@ -64,7 +64,7 @@ Json to_json(const MatchLogIndex& index) {
 /// Throws std::exception for values that no log can have: the file is untrusted.
 MatchLogIndex index_of(const Json& json) {
   const auto require = [](bool holds) {
-    if (!holds) throw std::invalid_argument("is no index");
+    if (!holds) throw std::invalid_argument("is not an index");
   };
   const auto count = [&](const Json& number) {
     require(number.is_number_unsigned());
@@ -132,8 +132,8 @@ MatchLogIndex make_match_log_index(const fs::path& log, const std::stop_token& s
   while (reader.next(message)) {
     if (stop.stop_requested()) throw StorageError(fmt::format("{}: was not read to its end", log.string()));
     if (reader.message_offset() > kMaxUnpackedBytes) {
-      problem = fmt::format("{}: is larger than {} GiB when it is unpacked; the rest is left out",
-                            log.string(), kMaxUnpackedBytes >> 30U);
+      problem = fmt::format("{}: is larger than {} GiB when unpacked; the rest is ignored", log.string(),
+                            kMaxUnpackedBytes >> 30U);
       break;
     }
     maker.add(message, reader.message_offset(), reader.place());

@@ -33,16 +33,16 @@ MatchLogReader::MatchLogReader(const std::filesystem::path& path) : name_(path.s
       "is a log of version 0, which old programs wrote with Qt; expected version 1";
   if (text(head).substr(4) == kOldMagic) refuse(kVersion0);
   if (text(head).substr(0, kLogMagic.size()) != kLogMagic)
-    refuse(fmt::format("is no log of the league: it does not begin with {}", kLogMagic));
+    refuse(fmt::format("is not a log of the league: it does not begin with {}", kLogMagic));
   const auto& known = log_header();
   if (count == head.size() && std::ranges::equal(head, known)) return;
-  if (count < head.size()) refuse("is no log of the league: it ends in its header");
+  if (count < head.size()) refuse("is not a log of the league: it ends in its header");
   std::uint32_t version = 0;
   for (std::size_t i = kLogMagic.size(); i < head.size(); ++i)
     version = version << 8U | std::to_integer<std::uint32_t>(head[i]);
   if (version == 0) refuse(kVersion0);
-  refuse(fmt::format("version {} of logs is not known; expected {}", static_cast<std::int32_t>(version),
-                     kLogVersion));
+  refuse(
+      fmt::format("log version {} is unknown; expected {}", static_cast<std::int32_t>(version), kLogVersion));
 }
 
 bool MatchLogReader::stop(const std::string& why) {
@@ -63,7 +63,7 @@ bool MatchLogReader::read_header() {
     if (count == 0 && file_.problem().empty()) return false;
     return stop(file_.problem().empty() || file_.problem() == PackedFile::kCutOff
                     ? fmt::format("message {} is cut off", messages_ + 1)
-                    : fmt::format("{} behind message {}", file_.problem(), messages_));
+                    : fmt::format("{} after message {}", file_.problem(), messages_));
   }
   const MessageHeader header = read_message_header(bytes);
   if (header.type == LoggedMessage::kIndex) {  // the last message
@@ -72,8 +72,7 @@ bool MatchLogReader::read_header() {
   }
   if (header.size < 0 || header.size > kMaxMessageBytes)
     return stop(fmt::format("message {} is larger than any packet", messages_ + 1));
-  if (!is_log_time(header.time_ns))
-    return stop(fmt::format("message {} has a time that cannot be", messages_ + 1));
+  if (!is_log_time(header.time_ns)) return stop(fmt::format("message {} has an invalid time", messages_ + 1));
   header_ = header;
   message_offset_ = offset;
   const UnpackPlace place = file_.place();
@@ -91,7 +90,7 @@ bool MatchLogReader::next(LoggedMessage& out) {
   if (file_.read(out.bytes) < out.bytes.size()) {
     return stop(file_.problem().empty() || file_.problem() == PackedFile::kCutOff
                     ? fmt::format("message {} is cut off", messages_ + 1)
-                    : fmt::format("{} behind message {}", file_.problem(), messages_));
+                    : fmt::format("{} after message {}", file_.problem(), messages_));
   }
   ++messages_;
   return true;

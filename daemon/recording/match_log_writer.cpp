@@ -58,7 +58,7 @@ class OutputFile {
     }, named{};
     if (::fstat(file_, &mine) != 0 || ::stat(name_.c_str(), &named) != 0 || mine.st_ino != named.st_ino ||
         mine.st_dev != named.st_dev)
-      throw StorageError(fmt::format("{}: was removed or replaced while it was written", name_));
+      throw StorageError(fmt::format("{}: was removed or replaced while it was being written", name_));
   }
   void cut(std::uint64_t size) {
     if (::ftruncate(file_, static_cast<off_t>(size)) != 0) fail("cannot be repaired");
@@ -87,7 +87,7 @@ class MatchLogWriter::State {
  public:
   explicit State(const fs::path& path) : path_(path), file_(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC) {
     if (deflateInit2(&zlib_, 6, Z_DEFLATED, kGzip, 9, Z_DEFAULT_STRATEGY) != Z_OK)
-      throw StorageError(fmt::format("{}: there is no memory to pack it", path.string()));
+      throw StorageError(fmt::format("{}: not enough memory to compress it", path.string()));
     output_.resize(kOutputBytes);
     pack(log_header());
     flush();
@@ -243,7 +243,7 @@ class BlockReader {
     if (file_ < 0) throw StorageError(fmt::format("{}: cannot be read: {}", name_, why()));
     if (inflateInit2(&zlib_, kGzip) != Z_OK) {
       ::close(file_);
-      throw StorageError(fmt::format("{}: there is no memory to unpack it", name_));
+      throw StorageError(fmt::format("{}: not enough memory to unpack it", name_));
     }
   }
   ~BlockReader() {
@@ -271,7 +271,7 @@ class BlockReader {
       unpacked_bytes += got.size();
       if (unpacked_bytes > kMaxUnpackedBytes)
         throw StorageError(
-            fmt::format("{}: is larger than {} GiB when it is unpacked", name_, kMaxUnpackedBytes >> 30U));
+            fmt::format("{}: is larger than {} GiB when unpacked", name_, kMaxUnpackedBytes >> 30U));
       if (result == Z_STREAM_END) {
         inflateReset(&zlib_);
         now = {};
@@ -321,10 +321,10 @@ class BlockReader {
 }  // namespace
 
 RepairedMatchLog repair_match_log(const fs::path& path, const std::stop_token& stop) {
-  if (!fs::is_regular_file(path)) throw StorageError(fmt::format("{}: is no file", path.string()));
+  if (!fs::is_regular_file(path)) throw StorageError(fmt::format("{}: is not a file", path.string()));
   const WholePart whole = BlockReader(path).read(stop);
   const std::uint64_t size = fs::file_size(path);
-  if (whole.end == 0) throw StorageError(fmt::format("{}: holds nothing that could be kept", path.string()));
+  if (whole.end == 0) throw StorageError(fmt::format("{}: contains no intact messages", path.string()));
   if (whole.end == size && !whole.is_in_member) return {};
   OutputFile file(path, O_WRONLY | O_CLOEXEC);
   file.cut(whole.end);

@@ -226,7 +226,7 @@ bool MatchMoments::go_to(std::int64_t time_ns, const std::stop_token& stop) {
   }
   if (reader_.skip_to(time_ns, max_bytes_, stop)) return true;
   refuse_when_stopped(stop);
-  throw StorageError("this time is too far from all places of the log at which reading may begin");
+  throw StorageError("this time is too far from any place where reading the log can start");
 }
 
 Json MatchMoments::field(const std::stop_token& stop) {

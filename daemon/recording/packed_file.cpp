@@ -36,13 +36,13 @@ class PackedFile::State {
     }
     if (!S_ISREG(facts.st_mode)) {
       close();
-      throw StorageError(fmt::format("{}: is no file", path.string()));
+      throw StorageError(fmt::format("{}: is not a file", path.string()));
     }
     std::array<unsigned char, 2> magic{};
     is_packed_ = ::pread(file_, magic.data(), magic.size(), 0) == 2 && magic[0] == 0x1f && magic[1] == 0x8b;
     if (is_packed_ && inflateInit2(&zlib_, kGzipOnly) != Z_OK) {
       close();
-      throw StorageError(fmt::format("{}: there is no memory to unpack it", path.string()));
+      throw StorageError(fmt::format("{}: not enough memory to unpack it", path.string()));
     }
   }
   ~State() {
@@ -98,7 +98,7 @@ class PackedFile::State {
     ssize_t count;
     do count = ::pread(file_, out, size, static_cast<off_t>(input_place_));
     while (count < 0 && errno == EINTR);
-    if (count < 0) problem_ = fmt::format("cannot be read on: {}", std::strerror(errno));
+    if (count < 0) problem_ = fmt::format("cannot be read further: {}", std::strerror(errno));
     if (count <= 0) return 0;
     input_place_ += static_cast<std::uint64_t>(count);
     return static_cast<std::size_t>(count);
@@ -173,7 +173,7 @@ class PackedFile::State {
         if (!fill() || *zlib_.next_in != 0x1f) is_at_end_ = true;
       } else if (result != Z_OK && result != Z_BUF_ERROR) {
         is_at_end_ = true;
-        problem_ = "is damaged: its packed bytes make no sense";
+        problem_ = "is damaged: its compressed data is invalid";
       }
     }
     return done();

@@ -27,8 +27,8 @@ struct LastSecondsSettings {
         choice("images", &L::images,
                std::array{Choice<Images>{"whole", Images::kWhole},
                           Choice<Images>{"every_nth", Images::kEveryNth}},
-               "which: every one, or only every n-th"),
-        number("every_nth", &L::every_nth, 2, 1000, "", "n, for every n-th image"),
+               "images to keep: all, or every n-th"),
+        number("every_nth", &L::every_nth, 2, 1000, "", "n, if every n-th image is kept"),
     };
   }
 };
@@ -41,14 +41,14 @@ struct ClipSettings {
   static constexpr auto fields() {
     using C = ClipSettings;
     return std::tuple{
-        number("seconds", &C::seconds, 0.5, 600.0, "s", "how far back a clip reaches, if the memory does"),
-        number("seconds_after", &C::seconds_after, 0.0, 600.0, "s",
-               "how long it goes on after what it was made for"),
-        flag("on_alert", &C::on_alert, "make one when an alert comes, at most one a minute for each kind"),
-        flag("on_goal", &C::on_goal, "make one when the game controller counts a goal"),
-        flag("on_command", &C::on_command, "make one at each command of the game controller"),
+        number("seconds", &C::seconds, 0.5, 600.0, "s",
+               "length of a clip before its trigger; limited by the memory"),
+        number("seconds_after", &C::seconds_after, 0.0, 600.0, "s", "length of a clip after its trigger"),
+        flag("on_alert", &C::on_alert, "save a clip on an alert, at most one a minute for each kind"),
+        flag("on_goal", &C::on_goal, "save a clip when the game controller counts a goal"),
+        flag("on_command", &C::on_command, "save a clip at each command of the game controller"),
         flag("on_crash", &C::on_crash,
-             "make one when the service starts again after a crash, of all that was in memory then"),
+             "save a clip when the service restarts after a crash, of all images that were in memory"),
     };
   }
 };
@@ -69,12 +69,12 @@ struct RecordingSettings {
         choice("match_logs", &R::match_logs,
                std::array{Choice<MatchLogs>{"by_game_controller", MatchLogs::kByGameController},
                           Choice<MatchLogs>{"by_hand", MatchLogs::kByHand}},
-               "whether the game controller starts and ends match logs, or somebody does with a button"),
+               "started and ended by the game controller, or by hand with a button"),
         number("quota_mb", &R::quota_mb, 10, 10'000'000, "MB",
-               "recordings may take so much of the disk; the oldest go first, but not those that are pinned, "
-               "nor the newest match log, which may exceed it"),
+               "maximum disk space for recordings; the oldest are deleted first, except pinned ones and the "
+               "newest match log, which may exceed the limit"),
         number("keep_free_mb", &R::keep_free_mb, 0, 10'000'000, "MB",
-               "so much of the disk stays free; recording stops before"),
+               "minimum free disk space; recording stops when it is reached"),
         group("last_seconds", &R::last_seconds, "the cameras' newest images, in memory"),
         group("clips", &R::clips, "files with the last seconds of all cameras"),
     };

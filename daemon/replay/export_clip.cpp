@@ -39,7 +39,7 @@ void make_export_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error)
-    throw StorageError(fmt::format("{}: cannot make the folder: {}", folder.string(), error.message()));
+    throw StorageError(fmt::format("{}: cannot create the folder: {}", folder.string(), error.message()));
   const bool is_empty = std::filesystem::is_empty(folder, error);
   if (error)
     throw StorageError(fmt::format("{}: cannot read the folder: {}", folder.string(), error.message()));
@@ -225,10 +225,10 @@ ExportedCamera export_camera(ClipReader& clip, std::uint32_t camera_id, const Ex
     const ImageView& shown = picture.copy(frame.image.view());
     if (options.is_anonymous) {
       if (!context.scene->camera)
-        throw StorageError(fmt::format(
-            "camera {} is not calibrated in frame {}, so nobody knows what lies outside the field; "
-            "calibrate it before you record, or export without --anonymous",
-            camera_id, frame.info.number));
+        throw StorageError(
+            fmt::format("camera {} is not calibrated in frame {}, so the area outside the field is unknown; "
+                        "calibrate it before recording, or export without --anonymous",
+                        camera_id, frame.info.number));
       if (context.scene != view_scene) view = shown_view(*context.scene);
       view_scene = context.scene;
       picture.blacken(view);

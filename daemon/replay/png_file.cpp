@@ -57,7 +57,7 @@ std::vector<std::uint8_t> png_file(const ImageView& image) {
   uLongf packed_bytes = compressBound(static_cast<uLong>(rows.size()));
   std::vector<std::uint8_t> packed(packed_bytes);
   if (compress2(packed.data(), &packed_bytes, rows.data(), static_cast<uLong>(rows.size()), kLevel) != Z_OK)
-    throw std::runtime_error("no memory to pack an image");
+    throw std::runtime_error("not enough memory to compress an image");
   packed.resize(packed_bytes);
 
   std::vector<std::uint8_t> out(kSignature.begin(), kSignature.end());

@@ -75,8 +75,7 @@ bool ClipReplay::next(Result& result) {
     ++next_;
     const ClipFrame& recorded = clip_.read(place);
     if (recorded.image.empty()) {
-      doubt("image",
-            fmt::format("of frame {} no image, or only parts of one, were kept", recorded.info.number));
+      doubt("image", fmt::format("frame {} has no complete image", recorded.info.number));
       continue;
     }
     if (recorded.setup != setup_index_) use_setup(recorded.setup);
@@ -95,7 +94,7 @@ bool ClipReplay::next(Result& result) {
 
 void ClipReplay::use_setup(std::uint32_t setup) {
   if (setup >= clip_.setup_count())
-    throw ClipError(fmt::format("the clip has no setup {}, which a frame names", setup));
+    throw ClipError(fmt::format("the clip has no setup {}, which a frame refers to", setup));
   const ClipSetup clip = clip_.setup(setup);
   const std::string path = fmt::format("the clip's setup {}", setup);
   setup_ = other_ ? setup_with(*other_, clip, setup_.pipeline, path) : setup_of(clip, setup_.pipeline, path);
@@ -121,12 +120,12 @@ void ClipReplay::follow_memory(const ClipFrame& recorded) {
     const std::vector<std::string> failed = setup_.pipeline->restore(recorded.memory);
     memory_is_live_ = failed.empty();
     if (!failed.empty() && !other_)
-      doubt("memory", fmt::format("what stage '{}' remembered before frame {} is of another version",
+      doubt("memory", fmt::format("the saved state of stage '{}' before frame {} is from another version",
                                   failed.front(), number));
     return;
   }
   if (is_first && !memory_is_live_)
-    doubt("begin", fmt::format("the clip does not have what stages remembered before frame {}", number));
+    doubt("begin", fmt::format("the clip lacks the stages' state before frame {}", number));
   if (is_gap) doubt("gap", fmt::format("frames are missing before frame {}", number));
 }
 

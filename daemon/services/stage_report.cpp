@@ -55,7 +55,7 @@ void report_slow(const StackFacts& facts, HealthReport& report) {
        .fix =
            slow->is_ours
                ? fmt::format("Close other programs on this computer, {}, or give the stage less to do.", rate)
-               : fmt::format("Give the stage less to do in its settings, take it out of the stack, or {}.",
+               : fmt::format("Give the stage less to do in its settings, remove it from the stack, or {}.",
                              rate),
        .page = "#/diagnostics",
        .camera = facts.camera,
@@ -69,9 +69,9 @@ void report_stage(const StackFacts& facts, const StageFigures& stage, HealthRepo
         {.id = "stage_senseless",
          .check = facts.check,
          .severity = Severity::kWarn,
-         .title = title_of(facts, fmt::format("{} made {} without sense in the last {} s; they were left out",
-                                              name, invalid_text(stage.left_out), StageWatch::kSeconds)),
-         .fix = "It has a fault: take it out of the stack, and tell who made it.",
+         .title = title_of(facts, fmt::format("{} gave invalid results: {} dropped in the last {} s", name,
+                                              invalid_text(stage.left_out), StageWatch::kSeconds)),
+         .fix = "The stage is faulty: remove it from the stack and tell its author.",
          .page = settings_page(facts),
          .camera = facts.camera,
          .about = stage.name});
@@ -82,7 +82,7 @@ void report_stage(const StackFacts& facts, const StageFigures& stage, HealthRepo
          .check = facts.check,
          .severity = Severity::kWarn,
          .title = title_of(facts, fmt::format("{} warns: {}", name, escaped_text(stage.note.text))),
-         .fix = "What to do, the stage's own description says.",
+         .fix = "The stage's own description explains what to do.",
          .page = settings_page(facts),
          .camera = facts.camera,
          .about = stage.name});
@@ -105,7 +105,7 @@ std::optional<SlowStage> find_slow_stage(const StackFacts& facts) {
   const double every_ms = 1000 / facts.come_per_s;
   const auto result = [&](const StageFigures& stage, const std::string& time, bool is_always) {
     const std::string name = stage_text(stage.name, stage.library);
-    return SlowStage{name, fmt::format("{} {}; images come every {}", name, time, duration_text(every_ms)),
+    return SlowStage{name, fmt::format("{} {}; images arrive every {}", name, time, duration_text(every_ms)),
                      is_always, stage.library.empty()};
   };
   const double all_ms = std::accumulate(facts.stages.begin(), facts.stages.end(), 0.0,

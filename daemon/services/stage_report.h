@@ -39,7 +39,7 @@ struct StackFacts {
 /// A stage that causes the loss of images.
 struct SlowStage {
   std::string name;        // "the stage 'x' (library.so)"
-  std::string text;        // "the stage 'x' takes 41 ms an image; images come every 13 ms"
+  std::string text;        // "the stage 'x' takes 41 ms an image; images arrive every 13 ms"
   bool is_always = false;  // the stages cannot keep up; false: only single images take long
   bool is_ours = true;     // built into the service, not from a library
 };

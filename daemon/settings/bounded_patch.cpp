@@ -99,10 +99,10 @@ Json apply_patch(Json document, const Json& patch, const PatchLimits& limits) {
         if (size > limits.size) {
           work += limits.size;
           size = extent_of(document, limits.size).size + extent.size + path.size();
-          if (size > limits.size) refuse("a result of more values and bytes", limits.size);
+          if (size > limits.size) refuse("a result with more values and bytes", limits.size);
         }
       }
-      if (work > limits.work) refuse("more to do", limits.work);
+      if (work > limits.work) refuse("more work", limits.work);
       if (op != "test" && op != "replace" && is_in_primitive(document, path)) {
         throw SettingsError(fmt::format(
             "not a JSON Patch that fits the settings: {} is not in a list or an object", shortened(path)));

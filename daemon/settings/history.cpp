@@ -119,9 +119,8 @@ void check_steps(const Json& steps, std::uint64_t revision) {
                          std::all_of(step["changes"].begin(), step["changes"].end(), is_change);
     if (!is_good) {
       throw SettingsError(fmt::format(
-          "/history/{}: is not a step of the settings; expected one of revision {} or before, with "
-          "time, who, what and "
-          "changes",
+          "/history/{}: is not a step of the settings; expected a revision of at most {}, with time, who, "
+          "what and changes",
           i, most));
     }
     most = step["revision"].get<std::uint64_t>() - 1;

@@ -66,8 +66,8 @@ void check_named_files(const Json& schema, const Json& next, const std::vector<J
     std::vector<std::string> names;
     for (const auto& folder : folders) names.push_back(folder.string());
     throw SettingsError(
-        fmt::format("{}: \"{}\" is not allowed here; expected a file in {}. Others may be named in the "
-                    "settings file itself, or its folder be allowed with --files",
+        fmt::format("{}: \"{}\" is not allowed here; expected a file in {}; other files can be named in the "
+                    "settings file, or their folder allowed with --files",
                     one.path, one.file.string(), fmt::join(names, ", ")));
   }
 }

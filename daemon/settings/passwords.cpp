@@ -100,7 +100,7 @@ Passwords::Hashes Passwords::hashes_in(const Json& saved, const std::string& fil
   Hashes hashes;
   const auto refuse = [&] {
     throw SettingsError(fmt::format(
-        "{}: expected the hash of an admin's password, and perhaps of the viewers'{}", file, kSetAgain));
+        "{}: expected the hash of an admin's password, and optionally of the viewers'{}", file, kSetAgain));
   };
   if (!saved.is_object() || !saved.contains(name_of(Role::kAdmin))) refuse();
   for (const auto& [name, hash] : saved.items()) {
@@ -200,7 +200,7 @@ void Passwords::read_if_changed() {
     hashes_.store(read(file_));
     log::info("the panel's passwords were changed");
   } catch (const SettingsError& error) {
-    log::error("the panel's passwords stay as they were: {}", error.what());
+    log::error("the panel's passwords are unchanged: {}", error.what());
   }
 }
 

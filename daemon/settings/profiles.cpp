@@ -78,8 +78,7 @@ void Profiles::save(Profile profile) {
   if (old != next.end()) {
     *old = std::move(profile);
   } else if (next.size() == kMax) {
-    throw SettingsError(
-        fmt::format("there are {} profiles already, and no more are kept; delete one first", kMax));
+    throw SettingsError(fmt::format("there are {} profiles already, the maximum; delete one first", kMax));
   } else {
     const auto after = std::find_if(next.begin(), next.end(),
                                     [&](const Profile& other) { return other.name > profile.name; });
@@ -112,7 +111,7 @@ std::vector<Profile> Profiles::from_text(const std::string& text) {
     for (const Profile& profile : profiles) check_name(profile.name);
     const auto in_order = [](const Profile& one, const Profile& next) { return one.name >= next.name; };
     if (std::adjacent_find(profiles.begin(), profiles.end(), in_order) != profiles.end())
-      throw SettingsError("its profiles are not in the order of their names, each of which occurs once");
+      throw SettingsError("its profiles are not sorted by name, or a name occurs twice");
     return profiles;
   } catch (const std::exception& error) {
     throw SettingsError(fmt::format("{}: {}", kFileName, error.what()));

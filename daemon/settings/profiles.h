@@ -27,10 +27,10 @@ struct Profile {
   int version = 1;  // version of the settings: see Migrations
 
   static constexpr auto fields() {
-    return std::tuple{text("name", &Profile::name, "what it is called"),
+    return std::tuple{text("name", &Profile::name, "name"),
                       number("time", &Profile::time_s, 0.0, 1e12, "s", "Unix time"),
                       text("who", &Profile::who, "the client's address"),
-                      object("settings", &Profile::settings, "all of them", kMaxSize),
+                      object("settings", &Profile::settings, "all settings", kMaxSize),
                       number("version", &Profile::version, 1, 1000000, "", "of the settings")};
   }
 };

@@ -173,7 +173,7 @@ void StateFolder::write(const fs::path& file, std::string_view content, const fs
     make_folder(file.parent_path(), error);
     if (error) {
       throw StorageError(
-          fmt::format("cannot write {}: its folder cannot be made: {}", file.string(), error.message()));
+          fmt::format("cannot write {}: its folder cannot be created: {}", file.string(), error.message()));
     }
     write_file_durably(file, content, kPermissions, previous);
   } catch (const StorageError& problem) {

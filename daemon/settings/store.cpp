@@ -23,7 +23,7 @@ void check_same_ids(const Json& changes, const Json& made_on, const Json& put_on
     for (std::size_t end = path.find('/', 1); end != std::string::npos; end = path.find('/', end + 1)) {
       const Json::json_pointer id(path.substr(0, end) + "/id");
       if (!made_on.contains(id) || !put_on.contains(id) || made_on.at(id) == put_on.at(id)) continue;
-      throw SettingsError(fmt::format("{}: the saved change was made when {} was {}, which is now {}", path,
+      throw SettingsError(fmt::format("{}: the saved change was made when {} was {}, but it is now {}", path,
                                       id.to_string(), made_on.at(id).dump(), put_on.at(id).dump()));
     }
   }
@@ -58,9 +58,9 @@ SettingsStore::SettingsStore(std::filesystem::path admin_file, StateFolder& fold
   for (const auto& own : {changes_file(), previous_file()}) {
     std::error_code error;
     if (std::filesystem::equivalent(admin_file_, own, error)) {
-      throw SettingsError(
-          fmt::format("{}: is where the panel's changes are kept; move your settings to another folder",
-                      admin_file_.string()));
+      throw SettingsError(fmt::format(
+          "{}: the service saves the panel's changes in this file; move your settings to another folder",
+          admin_file_.string()));
     }
   }
   Json as_written;
@@ -99,7 +99,7 @@ std::optional<SettingsStore::Version> SettingsStore::load_changes(const std::fil
     const Json saved = read_json_file(file);
     if (!saved.is_object() || !saved.contains("revision") || !saved["revision"].is_number_unsigned() ||
         !saved.contains("changes")) {
-      throw SettingsError("it holds no saved changes");
+      throw SettingsError("it contains no saved changes");
     }
     const int version = version_of(saved, migrations_);
     Json changes = saved.at("changes");
@@ -204,7 +204,7 @@ SettingsStore::Version SettingsStore::undo(std::uint64_t revision, const Setting
     return false;
   };
   if (!are_same_cameras(*step) || !is_as_left()) {
-    throw StaleRevision(fmt::format("what revision {} changed was changed again since", revision),
+    throw StaleRevision(fmt::format("the values of revision {} have changed since", revision),
                         version_.revision, history_.newer_than(revision));
   }
   SettingsEdit named = edit;
@@ -215,7 +215,7 @@ SettingsStore::Version SettingsStore::undo(std::uint64_t revision, const Setting
 
 void SettingsStore::check_revision(const SettingsEdit& edit) const {
   if (edit.if_revision && *edit.if_revision != version_.revision) {
-    throw StaleRevision(fmt::format("the settings are at revision {}, this edit was made on {}",
+    throw StaleRevision(fmt::format("the settings are at revision {}, but this edit was made on {}",
                                     version_.revision, *edit.if_revision),
                         version_.revision, history_.newer_than(*edit.if_revision));
   }
@@ -300,7 +300,7 @@ SettingsStore::Version SettingsStore::reload_now(const GetReady& get_ready) {
   } catch (const SettingsError& error) {
     throw SettingsError(
         fmt::format("{}: {}{}", admin_file_.string(),
-                    changes.empty() ? "" : "together with what was changed in the panel: ", error.what()));
+                    changes.empty() ? "" : "together with the panel's changes: ", error.what()));
   }
   save(next, admin, history);
   Version answer = next;

@@ -40,15 +40,15 @@ class Gather {
       using P = Params;
       return std::tuple{
           number("max_time_off_s", &P::max_time_off_s, 0.02, 10.0, "s",
-                 "an image that is older than this, or so far in the future, is left out"),
+                 "images that are older than this, or this far in the future, are ignored"),
           number("reach_mm", &P::reach_mm, 0.0, 100'000.0, "mm",
-                 "how far behind the lines a robot or a ball may be"),
+                 "maximum distance of a robot or a ball beyond the lines"),
           number("robot_sigma_mm", &P::robot_sigma_mm, 0.01, 100.0, "mm",
-                 "how sure a robot's place is that another computer sends, which does not say it"),
+                 "uncertainty (sigma) of robot positions from other computers, which send none"),
           number("orientation_sigma_deg", &P::orientation_sigma_deg, 0.01, 90.0, "deg",
-                 "how sure its orientation is"),
+                 "uncertainty (sigma) of robot orientations from other computers"),
           number("ball_sigma_mm", &P::ball_sigma_mm, 0.01, 100.0, "mm",
-                 "how sure a ball's place is that another computer sends"),
+                 "uncertainty (sigma) of ball positions from other computers"),
       };
     }
   };

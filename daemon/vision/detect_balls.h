@@ -40,18 +40,17 @@ class DetectBalls {
           number("max_area_ratio", &Params::max_area_ratio, 1.0, 20.0, "",
                  "largest region considered, as a multiple of a ball's true area"),
           number("max_outside_mm", &Params::max_outside_mm, 0.0, 10'000.0, "mm",
-                 "how far outside the touch and goal lines a ball may lie"),
+                 "maximum distance of a ball beyond the touch and goal lines"),
           number("on_robot_mm", &Params::on_robot_mm, -100.0, 100.0, "mm",
                  "a region further than this inside a robot's outline is part of the robot; below 0: also a "
-                 "region this near to it outside"),
+                 "region this close outside it"),
           number("min_confidence", &Params::min_confidence, 0.0, 1.0, "", "balls below it are not reported"),
           number("max_balls", &Params::max_balls, 1, 1'000, "",
                  "largest number of balls reported: the best ones"),
           number("blur_px", &Params::blur_px, 0.1, 5.0, "px", "blur of the lens, as the sigma of a Gaussian"),
           number("max_fits", &Params::max_fits, 1, 100'000, "",
-                 "checks no more regions than this in one image, the largest ones (some 10 us each, up to "
-                 "five times that where a ball is small or hidden); frames "
-                 "that had more to process are counted"),
+                 "maximum number of regions checked in an image, the largest first (about 10 us each, up to "
+                 "five times that if a ball is small or hidden); frames with more are counted"),
       };
     }
   };

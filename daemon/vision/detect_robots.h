@@ -59,17 +59,18 @@ class DetectRobots {
               "a second robot with the id of another of its team: drop it, or keep it with a quarter of its "
               "confidence"),
           number("memory_ms", &Params::memory_ms, 0.0, 2000.0, "ms",
-                 "how long a robot's last place helps to find it again; it changes where it is reported "
-                 "only with a rolling shutter. 0: each image alone"),
+                 "how long a robot's last position helps to find it again; it changes the reported position "
+                 "only with a rolling shutter. 0: each image is processed alone"),
           number("rolling_shutter_ms", &Params::rolling_shutter_ms, 0.0, 100.0, "ms",
                  "time between the exposures of the image's first and last row, when one row follows the "
                  "other; robots are then reported where they were at the time of the middle row, the frame's "
                  "time, "
-                 "by their speed in the last images (needs memory_ms). 0: all rows at once"),
+                 "computed from their speed in the last images (needs memory_ms). 0: all rows at once"),
           number("blur_px", &Params::blur_px, 0.1, 5.0, "px", "blur of the lens, as the sigma of a Gaussian"),
-          number("max_work", &Params::max_work, 100, 1'000'000, "",
-                 "does no more than this for one image: fitted dots, or other work that takes as long (about "
-                 "1 us); frames that had more to process are counted"),
+          number(
+              "max_work", &Params::max_work, 100, 1'000'000, "",
+              "maximum work for an image: number of fitted dots, or of other steps that take as long (about "
+              "1 us); frames with more are counted"),
       };
     }
   };

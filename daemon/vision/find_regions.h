@@ -27,7 +27,7 @@ class FindRegions {
                  "regions of fewer cells are noise and dropped at once; a speed limit, not a size filter "
                  "(those are in mm)"),
           number("max_regions", &Params::max_regions, 100, 1'000'000, "",
-                 "cap on regions: beyond it the smallest are dropped, the frame flagged and counted"),
+                 "cap on regions: beyond it, the smallest are dropped and the frame is flagged and counted"),
           choice("connectivity", &Params::connectivity,
                  std::array{Choice<Connectivity>{"4", Connectivity::kFour},
                             Choice<Connectivity>{"8", Connectivity::kEight}},

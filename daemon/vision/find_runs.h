@@ -17,10 +17,10 @@ class FindRuns {
   struct Params {
     int max_runs = 65'536;
     static constexpr auto fields() {
-      return std::tuple{number(
-          "max_runs", &Params::max_runs, 1'000, 4'000'000, "",
-          "cap on runs: beyond it labels are cut from the parts of the image where they have the most, "
-          "the frame is flagged and counted")};
+      return std::tuple{
+          number("max_runs", &Params::max_runs, 1'000, 4'000'000, "",
+                 "cap on runs: beyond it, labels are removed from the parts of the image with the most runs, "
+                 "and the frame is flagged and counted")};
     }
   };
   void process(const Params& params, const LabelImage& labels, RunList& runs) noexcept;

@@ -82,7 +82,7 @@ LabelSet::LabelSet(const std::vector<OwnLabel>& own, const std::string& path) : 
                          "its ends, and not \"{}\" and a number",
                          kLongestName, kNameless));
     }
-    if (find(label.name)) refuse("name", quoted, "is taken: every label has a name of its own");
+    if (find(label.name)) refuse("name", quoted, "is taken: each label needs its own name");
     const auto color = color_of(label.color);
     if (!color) refuse("color", '"' + label.color + '"', "is not allowed; expected #rrggbb");
     labels_.push_back({value, label.name, *color});

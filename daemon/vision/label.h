@@ -53,7 +53,7 @@ struct OwnLabel {
     return std::tuple{
         number("value", &OwnLabel::value, static_cast<int>(label::kCount),
                static_cast<int>(label::kMaxCount) - 1, "", "its number in tables and files"),
-        text("name", &OwnLabel::name, "printable, up to 32 bytes, no other label's", 32),
+        text("name", &OwnLabel::name, "unique, printable, up to 32 bytes", 32),
         text("color", &OwnLabel::color, "display colour: #rrggbb", 7),
     };
   }

@@ -450,8 +450,9 @@ Lut Lut::with_changes(std::span<const CellRun> changed, const Prints& prints) co
   const std::size_t all = std::size_t{1} << (3 * color_bits_);
   for (const CellRun& run : changed) {
     if (run.begin > all || run.length > all - run.begin || run.after >= label::kMaxCount) {
-      throw SettingsError(fmt::format("a change of {} cells from {} on to label {} is beyond the table of {}",
-                                      run.length, run.begin, run.after, all));
+      throw SettingsError(
+          fmt::format("a change of {} cells starting at {} to label {} exceeds the table of {}", run.length,
+                      run.begin, run.after, all));
     }
     cells += run.length;
   }

@@ -234,9 +234,9 @@ struct ColorSettings {
              "the table that was edited, learnt or imported on the Colours page; empty: the one of lut_file "
              "or classes"),
         file("lut_file", &ColorSettings::lut_file, "a .lut file; empty: the table is made from the classes"),
-        list("classes", &ColorSettings::classes, "colour classes; a later one wins"),
+        list("classes", &ColorSettings::classes, "colour classes; later classes have priority"),
         number("bits", &ColorSettings::bits, ColorTable::kMinBits, ColorTable::kMaxBits, "",
-               "of each channel of the table: 5 to 7 cost the same time, 8 more"),
+               "bits per channel of the table: 5 to 7 are equally fast, 8 is slower"),
     };
   }
 };

@@ -64,7 +64,7 @@ ColorTable decode_version_1(std::span<const std::uint8_t> bytes, const std::stri
   for (const Label label : table.labels) occurs[label] = true;
   for (std::size_t value = 0; value < occurs.size(); ++value) {
     if (occurs[value] && !labels.has(static_cast<Label>(value))) {
-      refuse_table(path, "holds label {}, which is none of {}", value, labels.names());
+      refuse_table(path, "has an unknown label {}; expected one of {}", value, labels.names());
     }
   }
   return table;
@@ -77,7 +77,7 @@ Prints read_prints(Reader& reader, const OurLabels& ours, const std::string& pat
   for (int left = reader.byte("its prints"); left > 0; --left) {
     const std::uint8_t value = reader.byte("its prints");
     if (value >= ours.size() || !ours[value])
-      refuse_table(path, "has a print of label {} without its name", value);
+      refuse_table(path, "has a print of label {} without a name", value);
     const auto number = [&] {
       const auto bytes = reader.take(2, "its prints");
       return static_cast<std::uint16_t>(bytes[0] | bytes[1] << 8);
@@ -96,9 +96,9 @@ Prints read_prints(Reader& reader, const OurLabels& ours, const std::string& pat
 ColorTable decode_runs_file(std::span<const std::uint8_t> bytes, const std::string& path,
                             const LabelSet& labels) {
   Reader reader(bytes.subspan(kMagic2.size()), path);
-  const int bits = reader.byte("its head");
+  const int bits = reader.byte("its header");
   OurLabels ours;
-  for (int left = reader.byte("its head"); left > 0; --left) {
+  for (int left = reader.byte("its header"); left > 0; --left) {
     const std::uint8_t value = reader.byte("its labels");
     const auto bytes_of_name = reader.take(reader.byte("its labels"), "its labels");
     const std::string name(bytes_of_name.begin(), bytes_of_name.end());
@@ -107,8 +107,8 @@ ColorTable decode_runs_file(std::span<const std::uint8_t> bytes, const std::stri
     }
     const auto found = name.empty() ? std::optional(value) : labels.find(name);
     if (!found) {
-      refuse_table(path, "holds the label \"{}\", which is none of {}: add it to own_labels first", name,
-                   labels.names());
+      refuse_table(path, "has an unknown label \"{}\"; expected one of {}, or add it to own_labels first",
+                   name, labels.names());
     }
     ours[value] = found;
   }
@@ -116,7 +116,7 @@ ColorTable decode_runs_file(std::span<const std::uint8_t> bytes, const std::stri
   if (begins_with(bytes, kMagic3)) prints = read_prints(reader, ours, path);
   ColorTable table = decode_runs(reader.left(), bits, path);
   for (Label& label : table.labels) {
-    if (!ours[label]) refuse_table(path, "holds label {} without its name", label);
+    if (!ours[label]) refuse_table(path, "has label {} without a name", label);
     label = *ours[label];
   }
   table.prints = prints;
@@ -172,7 +172,7 @@ ColorTable decode_runs(std::span<const std::uint8_t> runs, int bits, const std::
     at += length;
   }
   if (!reader.left().empty()) {
-    refuse_table(path, "goes on for {} bytes after its last cell", reader.left().size());
+    refuse_table(path, "has {} bytes after its last cell", reader.left().size());
   }
   return table;
 }

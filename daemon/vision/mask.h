@@ -36,7 +36,7 @@ struct MaskSettings {
   static constexpr auto fields() {
     return std::tuple{
         number("beyond_boundary", &MaskSettings::beyond_boundary, 0.0, 100'000.0, "mm",
-               "how far beyond the field's boundary a calibrated camera still looks; empty (null): at the "
+               "how far beyond the field's boundary a calibrated camera still searches; empty (null): the "
                "whole image"),
         list("include", &MaskSettings::include, "only these polygons are searched; none: everything",
              kMaxPolygons),

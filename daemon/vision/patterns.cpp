@@ -126,8 +126,8 @@ void measure(PatternTable& table, const std::string& path) {
     table.reach_mm = std::max(table.reach_mm, out_mm);
     if (out_mm > table.top_radius_mm || dot.x_mm + dot.diameter_mm / 2 > table.top_front_mm) {
       throw SettingsError(
-          fmt::format("{}/dots/{}: stands over the rim of the top (top_radius_mm {}, top_front_mm {})", path,
-                      i, table.top_radius_mm, table.top_front_mm));
+          fmt::format("{}/dots/{}: extends beyond the rim of the top (top_radius_mm {}, top_front_mm {})",
+                      path, i, table.top_radius_mm, table.top_front_mm));
     }
     for (std::size_t j = 0; j <= i; ++j) {
       const PatternDot& other = j == 0 ? center : table.dots[j - 1];

@@ -13,7 +13,7 @@ void Segment::share_out(int threads, const RunList& picture) {
     threads_ = threads;
     workers_ = std::make_unique<Workers>(threads - 1);
     if (const int had = workers_->threads() + 1; had < threads)
-      log::warning("segment: goes on with {} of {} threads; the system gives no more", had, threads);
+      log::warning("segment: continues with {} of {} threads; the system provides no more", had, threads);
     // Several parts per thread, so that a thread that wakes late or finds many runs processes fewer parts.
     parts_.resize(threads == 1 ? 1 : static_cast<std::size_t>(4 * threads));
     found_.resize(parts_.size());

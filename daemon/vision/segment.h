@@ -31,8 +31,8 @@ class Segment {
       return std::tuple{group("runs", &Params::runs, "as for find_runs"),
                         group("regions", &Params::regions, "as for find_regions"),
                         number("threads", &Params::threads, 1, 8, "",
-                               "threads that share each image: more than one is for a large camera with "
-                               "processors to itself; with several cameras, each has its own thread anyway")};
+                               "threads that share each image: more than one helps only a large camera with "
+                               "processors to itself; several cameras have their own threads anyway")};
     }
   };
   void process(const Params& params, const Lut& lut, const Mask& mask, const Image& image, RunList& runs,

@@ -224,7 +224,7 @@ bool Connections::Seat::holds(std::size_t bytes, std::string& problem) {
       connections_.set_unsent_bytes(*this, bytes);
     } else {
       ++connections_.unsent_;
-      problem = "too much waits for slow clients; try again in a moment";
+      problem = "too much data is waiting for slow clients; try again in a moment";
     }
   }
   for (const auto& close : closed) close();

@@ -24,7 +24,7 @@ constexpr http::field kGivenOnce[] = {
 
 std::optional<HeaderRefusal> check_header(const http::request_header<>& header, std::string_view bytes) {
   if (bytes.find("\r\n ") != std::string_view::npos || bytes.find("\r\n\t") != std::string_view::npos)
-    return HeaderRefusal{400, "not a valid HTTP request: a header goes on in a second line"};
+    return HeaderRefusal{400, "not a valid HTTP request: a header continues on a second line"};
   if (header.count(http::field::transfer_encoding) > 0)
     return HeaderRefusal{411, "Transfer-Encoding is not allowed; expected a Content-Length"};
   const auto ranges = header.equal_range(http::field::range);

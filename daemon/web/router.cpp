@@ -177,7 +177,7 @@ Server::HandlerResponse refuse_early(const Gate& gate, const httplib::Request& r
     return Server::HandlerResponse::Handled;
   }
   if (request.path.find('\0') != std::string::npos) {  // the file lookup would stop at the zero byte
-    set_error(response, 400, "the address has a zero byte in it");
+    set_error(response, 400, "the address contains a zero byte");
     return Server::HandlerResponse::Handled;
   }
   if (is_read(request) ||

@@ -276,8 +276,9 @@ class RunningServer {
     const std::uint64_t all = counters_.unsent;
     const double now_s = steady_s();
     if (all == told_unsent_ || now_s - told_at_s_ < kUnsentPeriod_s) return;
-    log::warning("web: {} answers, images or requests were dropped: too much waits for slow clients",
-                 all - told_unsent_);
+    log::warning(
+        "web: {} answers, images or requests were dropped: too much data is waiting for slow clients",
+        all - told_unsent_);
     told_unsent_ = all;
     told_at_s_ = now_s;
   }

@@ -117,7 +117,7 @@ namespace {
 
 using Reader = std::unique_ptr<archive, decltype(&archive_read_free)>;
 
-constexpr const char* kSparse = "it contains a file with holes";
+constexpr const char* kSparse = "it contains a sparse file";
 
 Reader reader_of(std::string_view bytes, int (*support_filter)(archive*), int (*support_format)(archive*)) {
   Reader in(archive_read_new(), archive_read_free);
@@ -187,7 +187,7 @@ class HeaderCheck {
     if (is_over_) return;  // libarchive does not read what follows
     if (header_[kTypeAt] != '0' && header_[kTypeAt] != '\0')
       throw std::runtime_error(
-          "it contains something that is not a plain file (`tar --format=ustar` packs only such)");
+          "it contains something that is not a plain file (`tar --format=ustar` packs only plain files)");
     // Accepts only sizes that libarchive reads as the same number. Otherwise libarchive would find the next
     // header at another place.
     std::string_view digits = std::string_view(header_).substr(kSizeAt, kSizeDigits);
@@ -196,7 +196,7 @@ class HeaderCheck {
     std::uint64_t size = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), size, 8);
     if (error != std::errc() || end != digits.data() + digits.size())
-      throw std::runtime_error("it contains a file whose size is no octal number");
+      throw std::runtime_error("it contains a file whose size is not an octal number");
     content_bytes_ = (size + kRecord - 1) / kRecord * kRecord;
   }
 

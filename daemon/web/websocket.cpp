@@ -47,8 +47,8 @@ struct PreviewParams {
     return std::tuple{number("camera", &P::camera, 0, kMaxCameraId, "", "camera id"),
                       number("width", &P::width, 1, 16384, "px", "images are scaled down to it"),
                       number("quality", &P::quality, 1, 100, "", "of the JPEG"),
-                      number("fps", &P::fps, kMinFps, kMaxFps, "Hz", "at most that many images"),
-                      choice("picture", &P::picture, kPictureChoices, "what to see"),
+                      number("fps", &P::fps, kMinFps, kMaxFps, "Hz", "maximum number of images per second"),
+                      choice("picture", &P::picture, kPictureChoices, "what the image shows"),
                       flag("regions", &P::regions, "also the frame's regions")};
   }
 };

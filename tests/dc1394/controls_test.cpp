@@ -127,7 +127,7 @@ TEST_F(IidcControls, TemperatureHasATargetAndIsMeasured) {
   EXPECT_EQ(controls_->get("temperature_now").value, 312);
   EXPECT_EQ(refusal("temperature", 120), "no error");
   EXPECT_EQ(feature(DC1394_FEATURE_TEMPERATURE).values[0], 120U);
-  EXPECT_EQ(refusal("temperature_now", 1), "temperature_now: 1 refused: only measured");
+  EXPECT_EQ(refusal("temperature_now", 1), "temperature_now: 1 refused: measured, read-only");
 }
 
 TEST_F(IidcControls, TriggerHasAllItsParts) {

@@ -146,8 +146,8 @@ TEST_F(IidcCamera, AsksForTheBayerOrderThatTheCameraDoesNotSay) {
   fake_iidc::clear();
   fake_iidc::plug_in(camera);
   EXPECT_EQ(refusal({{"pixel_format", "raw8"}}),
-            "camera \"000a470112345678\": bayer_order auto refused: the camera does not say it; it is one of "
-            "rggb, gbrg, grbg, bggr");
+            "camera \"000a470112345678\": bayer_order auto refused: the camera does not report it; set one "
+            "of rggb, gbrg, grbg, bggr");
   EXPECT_EQ(refusal({{"pixel_format", "raw8"}, {"bayer_order", "grbg"}}), "no error");
 }
 
@@ -174,25 +174,25 @@ TEST_F(IidcCamera, SizeFollowsTheOffset) {
 
 TEST_F(IidcCamera, RefusalsSayWhatIsAllowed) {
   const std::string camera = "camera \"000a470112345678\": ";
-  EXPECT_EQ(refusal({{"width", 333}}), camera + "width 333 refused: format7_0 takes 4 .. 780 in steps of 4");
+  EXPECT_EQ(refusal({{"width", 333}}), camera + "width 333 refused: format7_0 allows 4 .. 780 in steps of 4");
   EXPECT_EQ(refusal({{"height", 600}}),
-            camera + "height 600 refused: format7_0 takes 2 .. 580 in steps of 2");
+            camera + "height 600 refused: format7_0 allows 2 .. 580 in steps of 2");
   EXPECT_EQ(refusal({{"width", 700}, {"offset_x", 100}}),
-            camera + "offset_x 100 refused: format7_0 of width 700 takes 0 .. 80 in steps of 2");
+            camera + "offset_x 100 refused: format7_0 of width 700 allows 0 .. 80 in steps of 2");
   EXPECT_EQ(refusal({{"height", 100}, {"offset_y", 3}}),
-            camera + "offset_y 3 refused: format7_0 of height 100 takes 0 .. 480 in steps of 2");
+            camera + "offset_y 3 refused: format7_0 of height 100 allows 0 .. 480 in steps of 2");
   EXPECT_EQ(refusal({{"offset_x", 800}}),
-            camera + "offset_x 800 refused: format7_0 takes 0 .. 776 in steps of 2");
+            camera + "offset_x 800 refused: format7_0 allows 0 .. 776 in steps of 2");
   EXPECT_EQ(
       refusal({{"packet_size_bytes", 4097}}),
-      camera + "packet_size_bytes 4097 refused: format7_0 at iso_speed 800 takes 4 .. 8192 in steps of 4");
+      camera + "packet_size_bytes 4097 refused: format7_0 at iso_speed 800 allows 4 .. 8192 in steps of 4");
   EXPECT_EQ(
       refusal({{"packet_size_bytes", 6000}, {"iso_speed", "400"}}),
-      camera + "packet_size_bytes 6000 refused: format7_0 at iso_speed 400 takes 4 .. 4096 in steps of 4");
+      camera + "packet_size_bytes 6000 refused: format7_0 at iso_speed 400 allows 4 .. 4096 in steps of 4");
   EXPECT_EQ(refusal({{"mode", "640x480_mono8"}, {"width", 320}}),
             camera + "width 320 refused: only Format7 modes have it; 640x480_mono8 is fixed");
   EXPECT_EQ(refusal({{"mode", "640x480_mono8"}, {"frame_rate_hz", 25}}),
-            camera + "frame_rate_hz 25 refused: 640x480_mono8 at iso_speed 800 takes 30, 60");
+            camera + "frame_rate_hz 25 refused: 640x480_mono8 at iso_speed 800 allows 30, 60");
   EXPECT_EQ(refusal({{"mode", "800x600_rgb8"}}),
             camera +
                 "mode 800x600_rgb8 refused: the camera has 640x480_yuv422, 640x480_mono8, format7_0, "
@@ -200,7 +200,7 @@ TEST_F(IidcCamera, RefusalsSayWhatIsAllowed) {
   EXPECT_EQ(refusal({{"mode", "format7_1"}, {"pixel_format", "rgb8"}}),
             camera + "pixel_format rgb8 refused: format7_1 has mono8");
   EXPECT_EQ(refusal({{"frame_rate_hz", 100}}),
-            camera + "frame_rate_hz 100 refused: the camera takes 1 .. 62 now");
+            camera + "frame_rate_hz 100 refused: the camera allows 1 .. 62 now");
   EXPECT_EQ(refusal({{"camera", "SSL1"}}),
             "/camera: \"SSL1\" is not allowed; expected a GUID: up to 16 hexadecimal digits");
 }
@@ -212,7 +212,7 @@ TEST_F(IidcCamera, Without1394bThereIsNoSpeed800) {
   fake_iidc::plug_in(camera);
   EXPECT_EQ(
       refusal({{"iso_speed", "800"}}),
-      "camera \"000a470112345678\": iso_speed 800 refused: the camera takes 100, 200, 400; it has no 1394b");
+      "camera \"000a470112345678\": iso_speed 800 refused: the camera allows 100, 200, 400; it has no 1394b");
   // The recommended packet size is limited to what the bus carries.
   EXPECT_EQ(refusal(Json::object()), "no error");
   EXPECT_EQ(fake_iidc::state_of(kGuid).format7.at(DC1394_VIDEO_MODE_FORMAT7_0).packet, 4096U);
@@ -253,7 +253,7 @@ TEST_F(IidcCamera, ListsWhatThereIsToPaste) {
 }
 
 TEST_F(IidcCamera, SaysWhichCamerasThereAre) {
-  EXPECT_EQ(refusal({{"camera", "0x1"}}), "camera \"0x1\": not found; there are 000a470112345678");
+  EXPECT_EQ(refusal({{"camera", "0x1"}}), "camera \"0x1\": not found; available: 000a470112345678");
   fake_iidc::clear();
   EXPECT_EQ(refusal(Json::object()),
             "camera \"\": no IIDC camera found; is it plugged in, and may this user open /dev/fw*?");
@@ -272,7 +272,7 @@ TEST_F(IidcCamera, IsFoundByItsGuidAlsoAfterAnotherCameFirst) {
 }
 
 TEST_F(IidcCamera, ResetsTheBusOnce) {
-  EXPECT_THAT(refusal({{"reset_bus", true}}), HasSubstr("the bus was reset; it is opened again"));
+  EXPECT_THAT(refusal({{"reset_bus", true}}), HasSubstr("the bus was reset; the camera is reopened"));
   EXPECT_EQ(refusal({{"reset_bus", true}}), "no error");
   EXPECT_EQ(fake_iidc::counts().bus_resets, 1);
 }
@@ -287,7 +287,7 @@ TEST_F(IidcCamera, CorruptPicturesAreSkipped) {
     send(kGuid, {.corrupt = true});
     EXPECT_EQ(next(*source, image, problem), CaptureStatus::kIncomplete);
   }
-  EXPECT_EQ(problem, "packets of it are missing");
+  EXPECT_EQ(problem, "packets are missing");
   const int number = send(kGuid);
   expect_scene(next_picture(*source).image.view(), number);
 }
@@ -318,7 +318,7 @@ TEST_F(IidcCamera, SilenceIsALossAndSaysWhatTheCameraAnswers) {
   EXPECT_EQ(source->next(image, problem, milliseconds(120)), CaptureStatus::kLost);
   EXPECT_EQ(problem,
             "camera \"000a470112345678\": no image for 0.1 s, although it answers (format7_0 yuv422 780x580, "
-            "iso_speed 800); do card, cables and hubs take this iso_speed?");
+            "iso_speed 800); do card, cables and hubs support this iso_speed?");
   fake_iidc::stop_by_bus_reset(kGuid);
   EXPECT_EQ(next(*source, image, problem), CaptureStatus::kLost);
   EXPECT_THAT(problem, HasSubstr("it has stopped sending, as after a bus reset"));

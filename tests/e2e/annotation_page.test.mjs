@@ -111,7 +111,7 @@ it('makes a command of what is pointed at, and that does it', () => {
   assert.deepEqual([balls.at(-1).pixel_x, balls.at(-1).pixel_y], [50, 60]);
 });
 
-it('takes the last one back, and says how to have looked', () => {
+it('undoes the last correction, and shows the command that marks the image as checked', () => {
   const page = load();
   page.marks()[0].happens('click');
   page.byId('undo').happens('click');

@@ -69,7 +69,7 @@ describe('the interface as docs/openapi.json says', () => {
   });
   after(() => service.end());
 
-  it('is a sound description', () => {
+  it('is a valid description', () => {
     const { paths } = openApi;
     const ids = Object.values(paths).flatMap((methods) => Object.values(methods).map(({ operationId }) => operationId));
     assert.equal(new Set(ids).size, ids.length);
@@ -86,7 +86,7 @@ describe('the interface as docs/openapi.json says', () => {
     assert.equal(/^## (\S+)/m.exec(readFileSync(join(root, 'CHANGELOG.md'), 'utf8'))[1], version);
   });
 
-  it('tells how it is', async () => {
+  it('reports its status', async () => {
     const status = await ask('get', '/api/status');
     assert.equal(status.cameras.length, 2);
     await ask('get', '/api/cameras');
@@ -96,7 +96,7 @@ describe('the interface as docs/openapi.json says', () => {
     assert.deepEqual({ ...lo, multicast: false }, { name: 'lo', addresses: ['127.0.0.1'], is_up: true, has_link: true, is_loopback: true, multicast: false });
   });
 
-  it('tells what teams get and who listens on its computer', async () => {
+  it('reports what teams receive and who listens on its computer', async () => {
     const { detections, geometry } = await becomes('/api/network/packets', (value) => value.detections.length === 2 && value.geometry && value.detections.some(({ packet }) => packet.detection.balls));
     assert.deepEqual(detections.map(({ camera, packet }) => [camera, packet.detection.camera_id]), [[0, 0], [1, 1]]);
     assert.equal(geometry.packet.geometry.field.field_length, service.settings.field?.field_length ?? 9000);
@@ -105,7 +105,7 @@ describe('the interface as docs/openapi.json says', () => {
     assert.deepEqual(memberships.map(({ interface: card }) => card), ['lo']);
   });
 
-  it('tells what all cameras together see', async () => {
+  it('reports what all cameras together see', async () => {
     const field = await becomes('/api/field', (value) => value.robots.length === 12 && value.balls.length > 0);
     assert.deepEqual(field.stages.map(({ name }) => name), ['gather', 'clocks', 'agreement', 'track', 'publish']);
     await becomes('/api/field/agreement', (value) => value.cameras.length === 2);
@@ -116,7 +116,7 @@ describe('the interface as docs/openapi.json says', () => {
     await ask('post', '/api/field/ball_model/accept', { expect: 409 });
   });
 
-  it('tells what is wrong and whether a match may begin', async () => {
+  it('reports alerts and whether a match may begin', async () => {
     const path = '/cameras/1/source';
     const failing = ({ go, checks }) => {
       const failed = checks.filter(({ state }) => state === 'fail').map(({ id }) => id);
@@ -149,7 +149,7 @@ describe('the interface as docs/openapi.json says', () => {
     assert.equal((await ask('get', '/api/settings')).revision, revision);
   });
 
-  it('tells what a calibrated camera does not look at', async () => {
+  it('reports which pixels a calibrated camera ignores', async () => {
     const hiddenPx = async () => (await ask('get', '/api/cameras/{camera}/field_view')).hidden.reduce((sum, [, , width, height]) => sum + width * height, 0);
     const path = '/cameras/0/mask/beyond_boundary';
     const usual = await hiddenPx();
@@ -165,7 +165,7 @@ describe('the interface as docs/openapi.json says', () => {
     await ask('get', '/api/cameras/{camera}/field_view', { parameters: { camera: 9 }, expect: 404 });
   });
 
-  it('is watched', async () => {
+  it('has metrics and health checks', async () => {
     assert.match((await ask('get', '/metrics')).toString(), /^# HELP sslv_build_info /);
     assert.equal((await ask('get', '/healthz')).toString(), 'ok\n');
     await looksUntil(async () => (await fetch(service.address('readyz'))).status, (status) => status === 200);
@@ -187,7 +187,7 @@ describe('the interface as docs/openapi.json says', () => {
     for (const seconds of ['0', '601', 'x']) await ask('get', path, { query: `?seconds=${seconds}`, expect: 400 });
   });
 
-  it('tells of the computer and of what takes how long', async () => {
+  it('reports the state of the computer and durations', async () => {
     const { system, cameras } = await becomes('/api/diagnostics', (value) => value.system.cpu_percent.length > 0
       && value.cameras.every(({ exposure, latency }) => exposure && latency.counts.reduce((sum, count) => sum + count, 0) > 10));
     assert.equal(system.disk.folder.startsWith('/'), true);
@@ -200,7 +200,7 @@ describe('the interface as docs/openapi.json says', () => {
     }
   });
 
-  it('remembers what was wrong and what was done', async () => {
+  it('has a history of alerts and changes', async () => {
     await service.patch({ op: 'replace', path: '/site', value: 'Remembered' });
     const { kept_s: kept, entries } = await becomes('/api/events', (value) => value.entries.some(({ id, title }) => id === 'settings_changed' && title === 'Settings changed: /site'));
     assert.equal(kept, 24 * 3600);
@@ -276,7 +276,7 @@ describe('the interface as docs/openapi.json says', () => {
     await ask('post', learning, { body: { frames: 0 }, expect: 422 });
   });
 
-  it('offers what a camera can be made of', async () => {
+  it('lists and previews sources of cameras', async () => {
     const jpeg = readFileSync(join(root, 'tests/golden/division_b.jpg'));
     const file = { source: { backend: 'files', path: join(root, 'tests/golden/division_b.jpg'), loop: true } };
     assert.equal((await ask('post', '/api/sources/image', { body: file, query: '?width=100' })).subarray(0, 2).toString('hex'), 'ffd8');
@@ -300,7 +300,7 @@ describe('the interface as docs/openapi.json says', () => {
     await ask('delete', '/api/images/{folder}', { parameters: { folder: 'hall' }, expect: 404 });
   });
 
-  it('sets what a camera offers', async () => {
+  it('sets the controls of a camera', async () => {
     const path = '/api/cameras/{camera}/controls/{control}';
     // A simulated camera has no controls; a recording has playback controls.
     await ask('get', '/api/cameras/{camera}/controls', { expect: 409 });
@@ -590,7 +590,7 @@ describe('the interface as docs/openapi.json says', () => {
     await ask('delete', path);
   });
 
-  it('refuses what is not there', async () => {
+  it('refuses unknown resources', async () => {
     await ask('get', '/api/ws', { expect: 426 });
     const answer = await fetch(service.address('api/nothing'));
     assert.equal(answer.status, 404);
@@ -601,7 +601,7 @@ describe('the interface as docs/openapi.json says', () => {
     checkJson('openapi#/components/schemas/Error', await wrong.json(), 'a wrong method');
   });
 
-  it('tells who may do what', async () => {
+  it('reports access rights', async () => {
     const path = '/api/session', password = 'correct horse';
     assert.equal((await ask('get', path)).may, 'change');
     await ask('post', path, { body: { password }, expect: 409 });
@@ -631,7 +631,7 @@ describe('the interface as docs/openapi.json says', () => {
     await ask('patch', '/api/settings', { body: [], expect: 401 });
   });
 
-  it('was asked for everything', () => {
+  it('was tested completely', () => {
     for (const [path, methods] of Object.entries(openApi.paths)) {
       for (const method of Object.keys(methods)) assert.ok(seen.has(`${method} ${path}`), `${method} ${path} was not asked`);
     }

@@ -151,7 +151,7 @@ describe('a backup', () => {
     assert.match(elsewhere.stderr, /\/cameras\/0\/colors\/table: "[0-9a-f]{16}" is not allowed.*A backup brings another computer's settings/);
   });
 
-  it('is refused where it is damaged or none, and nothing changes', async () => {
+  it('is refused if damaged or not a backup, and nothing changes', async () => {
     await post(spare, 'api/cameras/0/colors/edits', { commands: [{ op: 'paint', label: 'pink', shape: 'box', at: [20, 40, 40], radius: [1, 1, 1] }] });
     await ask(spare, 'PUT', 'api/profiles/Own', { body: {} });
     const parts = partsOf(backup);
@@ -184,7 +184,7 @@ describe('a backup', () => {
     await refuses(packed(new Map(parts).set('notes.txt', Buffer.from('x'))), /^notes\.txt: is not allowed in a backup; expected settings\.json, profiles\.json, /);
   });
 
-  it('is refused where it is of another program, or one value is not allowed', async () => {
+  it('is refused if it is from another program or has an invalid value', async () => {
     const parts = partsOf(backup);
     const json = (name, change) => packed(changedJson(parts, name, change));
     const table = [...parts.keys()].find((name) => name.startsWith('tables/'));
@@ -209,7 +209,7 @@ describe('a backup', () => {
     await refuses(packed(new Map(parts).set('settings.json', deep)), /^settings\.json: .*64 levels/);
   });
 
-  it('is refused where it is too large', async () => {
+  it('is refused if too large', async () => {
     await refuses(Buffer.alloc(8 * MIB + 1), /^the body is larger than 8 MiB$/, 413);
     const bomb = packed(new Map(partsOf(backup)).set('settings.json', Buffer.alloc(33 * MIB, 0x20)));
     assert.ok(bomb.length < MIB);
@@ -294,7 +294,7 @@ describe('a backup', () => {
     assert.equal(await settingsText(spare), own.settings);
   });
 
-  it('holds passwords only where somebody asks for them, and takes no password\'s place', async () => {
+  it('contains passwords only on request, and replaces none', async () => {
     await spare.stop(); // open connections to its earlier port would still reach it
     await first.start();
     const setPassword = (service, password) => ask(service, 'PUT', 'api/passwords/admin', { body: { password } });
@@ -336,7 +336,7 @@ describe('a backup', () => {
     await cookieOf(spare, PASSWORD, 401);
   });
 
-  it('is not made of settings whose table is lost, which could not be restored', async () => {
+  it('is not made if a colour table is missing, as it could not be restored', async () => {
     await spare.stop();
     rmSync(join(spare.stateFolder, 'passwords.json'));
     rmSync(join(spare.stateFolder, 'tables'), { recursive: true });

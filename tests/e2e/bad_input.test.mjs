@@ -71,7 +71,7 @@ describe('bad input from the network', () => {
   });
   after(() => service.end());
 
-  it('is refused when a request makes no sense', async () => {
+  it('is refused if a request is invalid', async () => {
     const patch = (headers, body = '') => `PATCH /api/settings HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n${headers}\r\n${body}`;
     const sized = (body) => patch(`Content-Length: ${body.length}\r\n`, body);
     for (const [request, status] of [
@@ -93,7 +93,7 @@ describe('bad input from the network', () => {
     await isWell();
   });
 
-  it('finds no file outside the panel', async () => {
+  it('cannot read files outside the panel', async () => {
     for (const target of ['/../../../../../../etc/passwd', '/%2e%2e/%2e%2e/%2e%2e/%2e%2e/%2e%2e/etc/passwd', '/..%2f..%2f..%2f..%2fetc%2fpasswd',
       '//etc/passwd', '/assets/../../package.json', '/assets/%2e%2e/%2e%2e/package.json', '/index.html%00.png', '/..%5c..%5cpackage.json', 'file:///etc/passwd']) {
       const answer = await answerTo(`GET ${target} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n`);
@@ -160,7 +160,7 @@ describe('bad input from the network', () => {
     slow.destroy();
   });
 
-  it('does not keep the service from its end', async () => {
+  it('does not prevent the service from stopping', async () => {
     for (let round = 0; round < 5; ++round) {
       // Some requests arrive before the shutdown, some during it: none may access freed objects.
       const underWay = Array.from({ length: 24 }, async (_, i) => {

@@ -46,7 +46,7 @@ describe('settings', () => {
     ['/cameras', () => Array.from({ length: 5 }, (_, id) => ({ id, source: { backend: 'simulator', width: 5000, height: 5000 } })), /^\/cameras\/4\/source: simulated cameras of 125000000 pixels together are not allowed; expected at most 100000000$/],
   ];
   for (const [path, value, why] of tooMuch) {
-    it(`say where ${path} ends, and what it may be: ${String(why).slice(2, 60)}...`, async () => {
+    it(`refuse ${path} beyond its limit, and name the limit: ${String(why).slice(2, 60)}...`, async () => {
       const { revision } = await settings();
       for (const [method, route] of [['POST', 'api/settings/check'], ['PATCH', 'api/settings']]) {
         const { status, json } = await ask(method, route, replace(path, value()));
@@ -58,7 +58,7 @@ describe('settings', () => {
     });
   }
 
-  it('say in their schema where they end', async () => {
+  it('have their limits in the schema', async () => {
     const missing = [];
     const look = (schema, path) => {
       for (const type of [schema.type].flat()) {
@@ -80,7 +80,7 @@ describe('settings', () => {
     assert.equal(status, 200, JSON.stringify(json).slice(0, 300));
   };
 
-  it('give the memory of large pictures and masks back when they are taken back', { skip }, async () => {
+  it('free the memory of large images and masks that are reverted', { skip }, async () => {
     const width = 2000;
     const [{ calibration }] = service.settings.cameras;
     const scale = width / calibration.pixel_image_width;
@@ -109,7 +109,7 @@ describe('settings', () => {
     await becomes(rss_MB, (now_MB) => now_MB < before_MB + 25, (now_MB) => `${before_MB} MB, ${large_MB} MB, now ${now_MB} MB`);
   });
 
-  it('give the memory of much that was refused back', { skip }, async () => {
+  it('free the memory of refused requests', { skip }, async () => {
     const before_MB = rss_MB();
     const patches = [replace('/site', 'S'.repeat(900_000)), replace('/cameras/0/mask/exclude', [{ points: points(60_000) }]), replace('/cameras/0/mask/exclude', polygons(20_000))];
     // The patches' text alone is much larger in total than the memory that may stay allocated.
@@ -146,12 +146,12 @@ describe('a body', () => {
     }
   }
 
-  it('of a forged backup takes little memory, whatever is in it', { skip }, async () => {
+  it('uses little memory for any forged backup', { skip }, async () => {
     const random = new Random(1);
     for (const [what, make] of Object.entries(FORGED)) await isSmall('api/backup/check', make(random), [422], what);
   });
 
-  it('of JSON takes little memory, whatever is in it', { skip }, async () => {
+  it('uses little memory for any JSON', { skip }, async () => {
     const filled = (part, more = '') => `[${part.repeat(Math.floor(1_000_000 / part.length))}0]${more}`;
     for (const part of ['0,', '[],', '{},', '"",', '{"":0},', '[[[]]],']) {
       await isSmall('api/settings/check', filled(part), REFUSED, `a list of ${part}`);
@@ -187,7 +187,7 @@ describe('a patch', () => {
     ['that doubles', [{ op: 'add', path: '/x', value: [] }, ...Array.from({ length: 22 }, () => ({ op: 'copy', from: '', path: '/x/-' }))], /more values and bytes|nested deeper/],
     ['that nests', [{ op: 'add', path: '/x', value: {} }, ...Array.from({ length: 1900 }, () => ({ op: 'copy', from: '/x', path: '/x/x' }))], /nested deeper than 64/],
     ['of many operations', Array.from({ length: 20_001 }, () => ({ op: 'test', path: '', value: 0 })), /more operations than 20000/],
-    ['that moves much', [{ op: 'add', path: '/x', value: Array(100_000).fill(1) }, ...Array.from({ length: 10_000 }, () => ({ op: 'move', from: '/x', path: '/x' }))], /more to do than/],
+    ['that moves much', [{ op: 'add', path: '/x', value: Array(100_000).fill(1) }, ...Array.from({ length: 10_000 }, () => ({ op: 'move', from: '/x', path: '/x' }))], /more work than/],
     ['with a long text in it', [{ op: 'replace', path: `/${'p'.repeat(500_000)}`, value: 0 }], /not a JSON Patch that fits/],
   ];
   const refuses = async (ways) => {
@@ -207,7 +207,7 @@ describe('a patch', () => {
     await refuses([CHECK]);
   });
 
-  it('that has much to do keeps nobody from reading, nor from editing', async () => {
+  it('that needs much work blocks neither readers nor editors', async () => {
     await becomes(() => ask('GET', 'api/session'), ({ json }) => json.match_lock.locked);
     assert.equal((await ask('POST', 'api/match_lock', { opened: true })).status, 200);
     await refuses([CHECK, ['PATCH', 'api/settings']]);
@@ -233,7 +233,7 @@ describe('a patch', () => {
     }, (meanwhile) => meanwhile >= 2, (meanwhile) => `${meanwhile} reads and edits went on meanwhile`);
   });
 
-  it('with more keys in an object than there is use for is refused', async () => {
+  it('with too many keys in an object is refused', async () => {
     const wide = Object.fromEntries(Array.from({ length: 60_000 }, (_, i) => [`k${i}`, 0]));
     for (const [method, path] of [CHECK, ['PATCH', 'api/settings'], ['POST', 'api/session']]) {
       const { status, json } = await ask(method, path, wide);

@@ -70,7 +70,7 @@ TEST_F(CalibrateFiles, RawFramesAndTheFieldOfSettings) {
   EXPECT_EQ(Json::parse(run.output)["accepted"], true);
 }
 
-TEST_F(CalibrateFiles, WhatIsNoFieldEndsWithOneAndAReport) {
+TEST_F(CalibrateFiles, AnImageWithoutAFieldFailsWithAReport) {
   folder_.write("grey.ppm", "P6\n4 3\n255\n" + std::string(36, 'x'));
   const std::string points =
       folder_.write("points.json", R"([{"x":0,"y":0},{"x":3,"y":0},{"x":3,"y":2},{"x":0,"y":2}])");

@@ -63,7 +63,7 @@ class Calibration : public DaemonTest {
   const CameraModel truth_ = model_of(settings_["cameras"][0]["calibration"]);
 };
 
-TEST_F(Calibration, IsFoundAcceptedKeptAndTakenBack) {
+TEST_F(Calibration, IsFoundAcceptedKeptAndReverted) {
   Json wrong, found;
   settings_["cameras"][0]["source"]["lines_measured_to"] = "outer_edge";
   {
@@ -193,7 +193,7 @@ TEST_F(Calibration, OfOtherPicturesIsNeverAccepted) {
   const auto expect_none = [&] {
     const Json state = daemon.get(kPath);
     EXPECT_EQ(state["state"], "failed");
-    EXPECT_THAT(state["problem"].get<std::string>(), HasSubstr("was changed since"));
+    EXPECT_THAT(state["problem"].get<std::string>(), HasSubstr("has changed since"));
     daemon.post(kAccept, {{"force", true}}, 409);
   };
   daemon.post(kPath, request(), 202);
@@ -243,7 +243,7 @@ TEST_F(Calibration, BadRequestsAreNamedAndChangeNothing) {
   daemon.post(kAccept, Json::object(), 409);
 }
 
-TEST_F(Calibration, WhatIsNotGoodEnoughIsTakenByForceOnly) {
+TEST_F(Calibration, APoorResultIsAcceptedOnlyByForce) {
   RunningDaemon daemon(settings_file(), state_);
   spoil(daemon);
   // A field other than the one drawn.

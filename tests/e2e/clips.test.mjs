@@ -50,7 +50,7 @@ describe('clips', () => {
   beforeEach(() => service.restore());
   after(() => service.end());
 
-  it('hold what was sent, byte for byte, for a reader that is not ours', async () => {
+  it('hold the sent packets byte for byte, according to an independent reader', async () => {
     const heard = new Set();
     const ears = await listenTo(GROUP, service.settings.network.vision.port, (packet) => heard.add(packet.toString('latin1')));
     await becomes(() => heard.size, (count) => count > 20);
@@ -110,7 +110,7 @@ describe('clips', () => {
     assert.equal(same.result.frames, made.cameras[1].frames);
   });
 
-  it('tell what other settings would find', async () => {
+  it('show what other settings would find', async () => {
     await reaches(1);
     const made = await clipWith({ seconds: 1 }, 'other');
     await service.patch({ op: 'replace', path: '/cameras/0/stages/detect_robots/min_confidence', value: 1 });
@@ -197,7 +197,7 @@ describe('clips', () => {
     }
   });
 
-  it('can be kept, taken away, and make room', async () => {
+  it('can be pinned and deleted, and respect the quota', async () => {
     await reaches(1);
     const kept = await clipWith({ seconds: 0.5 }, 'kept'), other = await clipWith({ seconds: 0.5 }, 'other_one');
     assert.equal((await ask('PATCH', `/clips/${kept.name}`, { pinned: true })).json.clips.find(({ name }) => name === kept.name).pinned, true);
@@ -216,7 +216,7 @@ describe('clips', () => {
     await ask('PATCH', `/clips/${kept.name}`, { pinned: false });
   });
 
-  it('come with a support bundle when somebody wants that', async () => {
+  it('are included in a support bundle on request', async () => {
     await reaches(1);
     const made = await clipWith({ seconds: 1 }, 'support');
     const answer = await fetch(service.address(`api/support?clip=${made.name}`));
@@ -236,7 +236,7 @@ describe('clips', () => {
       const unpacked = (file) => execFileSync('tar', ['-xOf', bundle, file], { maxBuffer: 1e9 });
       assert.deepEqual(unpacked(files.at(-1)), Buffer.from(clip));
       const [, what] = new RegExp(`^${made.name}: (.+)$`, 'm').exec(unpacked(files[0]).toString());
-      assert.match(what, /^the cameras' images .* It shows the people on and around the field: hand it on only if they agree$/);
+      assert.match(what, /^the cameras' images .* It shows the people on and around the field: share it only if they agree$/);
     }
 
     const refused = async (name) => {
@@ -258,7 +258,7 @@ describe('clips', () => {
     await service.start();
   });
 
-  it('are refused by name when they make no sense', async () => {
+  it('are refused with a reason if the request is invalid', async () => {
     await reaches(0.5);
     for (const [body, why] of [[{ seconds: 0 }, /^\/seconds: expected a number of seconds, 0\.5 to 600$/], [{ name: '../x' }, /^\/name: expected/], [{ second: 1 }, /^\/second: is not known here/], [[], /expected an object/]]) {
       const answer = await ask('POST', '/clips', body);
@@ -282,7 +282,7 @@ describe('clips', () => {
     assert.match((await ask('POST', '/clips', {})).json.error, /memory_mb is 0/);
   });
 
-  it('can be read to where a service that was killed got', async () => {
+  it('can be read up to the point where the service was killed', async () => {
     await reaches(2);
     await ask('POST', '/clips', { seconds: 2, seconds_after: 60, name: 'killed' });
     await becomes(clips, ({ clip }) => clip.frames > 60);

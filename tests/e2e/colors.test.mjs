@@ -92,7 +92,7 @@ describe('colour tables', () => {
     assert.equal(state.undo, null);
   });
 
-  it('take the carpet up and give it back, seen in the labelled picture', async () => {
+  it('include a picked carpet until the pick is undone, shown in the labelled image', async () => {
     const { still, width, height } = await post('stills', undefined, 201);
     const before = await labelsOf(still);
     assert.equal(before.count(CYAN), 0);
@@ -129,7 +129,7 @@ describe('colour tables', () => {
     await post('colors/undo', undefined, 409);
   });
 
-  it('know how far each label is from the carpet, and mend it where that is too little', async () => {
+  it('report each label\'s margin to the carpet, and widen thin ones', async () => {
     const least = (state, label) => Math.min(...state.margins.filter((one) => one.label === label).flatMap(({ brighter, darker }) => [brighter ?? 9, darker ?? 9]));
     const checked = async (wanted) => becomes(async () => {
       const { checks } = await (await fetch(service.address('api/checks'))).json();
@@ -177,7 +177,7 @@ describe('colour tables', () => {
     await post('colors/undo');
   });
 
-  it('leave to the carpet what a pick would take of it', async () => {
+  it('keep the carpet\'s colours when a pick overlaps them', async () => {
     await becomes(async () => (await get('colors')).margins?.length, 'the carpet is not seen');
     const { still, width, height } = await post('stills', undefined, 201);
     const tryPick = (x, y) => post('colors/edits', { commands: [{ op: 'pick', label: 'cyan', still, x, y, width: 3, height: 3 }], try: true });
@@ -315,7 +315,7 @@ describe('colour tables', () => {
     await service.patch({ op: 'remove', path: '/own_labels/0' });
   });
 
-  it('are refused by name when they make no sense, and nothing changes', async () => {
+  it('are refused with a reason if invalid, and nothing changes', async () => {
     const before = await bytes('colors/table');
     for (const [commands, complaint] of [
       [[{ op: 'paint', label: 'mauve', shape: 'ball', at: [1, 2, 3], radius: [1, 1, 1] }], /\/commands\/0\/label: "mauve" is not allowed; expected/],
@@ -350,7 +350,7 @@ describe('colour tables', () => {
     await service.statusBecomes(({ cameras }) => cameras[0].pixel_format === 'mono8' && cameras[0].frames > 0);
     await becomes(async () => (await get('colors')).margins === null, 'the margins of before are not forgotten');
     const { error } = await post('colors/edits', { commands: [{ op: 'widen_margins' }] }, 422);
-    assert.match(error, /^\/commands\/0: camera 0's carpet was not seen yet/);
+    assert.match(error, /^\/commands\/0: camera 0's carpet has not been seen yet/);
     await service.patch({ op: 'replace', path: '/cameras/0/source/pixel_format', value: 'uyvy' });
     await becomes(async () => (await get('colors')).margins?.length, 'the carpet is not seen again');
   });
@@ -447,7 +447,7 @@ describe('colour tables', () => {
     await lightIsBack();
   });
 
-  it('follow the light no further than they may, and say each state as the interface names it', async () => {
+  it('follow the light only within the limits, and report only documented states', async () => {
     const { enum: allowed } = openApi.components.schemas.LightState.properties.state;
     const seen = new Set();
     const light = async () => {
@@ -466,7 +466,7 @@ describe('colour tables', () => {
       const now = await light();
       return now.state === 'at_bound' ? now : null;
     }, 'the light is followed beyond the bound');
-    assert.match(bound.reason, /^the brightness is more than a factor 1\.1 from the accepted table's$/);
+    assert.match(bound.reason, /^the brightness differs from the accepted table's by more than a factor 1\.1$/);
     for (const gain of bound.gain) assert.ok(gain > 0.8, `${bound.gain}`);
     await service.patch(
       { op: 'replace', path: '/cameras/0/follow_light/enabled', value: false },
@@ -477,7 +477,7 @@ describe('colour tables', () => {
     for (const state of seen) assert.ok(allowed.includes(state), `${state} is none of ${allowed}`);
   });
 
-  it('that flood say which colour and where, and robots are found all the same', async () => {
+  it('that flood are reported with colour and place, and robots are still found', async () => {
     await service.patch({ op: 'replace', path: '/cameras/0/source/noise_sigma', value: 20 });
     const { still, width, height } = await post('stills', undefined, 201);
     const { mean } = await get(`pixels?x=${Math.round(width * 0.03)}&y=${Math.round(height * 0.5)}&width=9&height=9&still=${still}`);

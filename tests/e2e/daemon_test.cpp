@@ -231,7 +231,7 @@ TEST_F(Daemon, SendsEmptyFramesToo) {
   }
 }
 
-TEST_F(Daemon, TellsHowItIs) {
+TEST_F(Daemon, ReportsItsStatus) {
   RunningDaemon daemon(settings_file(), state_);
   const Json status = daemon.wait_for_status(
       [](const Json& s) { return s["cameras"][0]["fps"] > 0 && s["cameras"][1]["fps"] > 0; });
@@ -273,7 +273,7 @@ TEST_F(Daemon, AChangeIsLiveSavedAndSurvivesAKill) {
   EXPECT_EQ(settings["settings"]["cameras"][0]["stages"]["detect_robots"]["min_confidence"], 1.0);
 }
 
-TEST_F(Daemon, AChangeIsTakenBackFromTheCommandLine) {
+TEST_F(Daemon, AChangeIsUndoneFromTheCommandLine) {
   RunningDaemon daemon(settings_file(), state_);
   const std::string site = settings_["site"].get<std::string>();
   daemon.set("/site", "Field B");
@@ -291,7 +291,7 @@ TEST_F(Daemon, AChangeIsTakenBackFromTheCommandLine) {
   const Finished again = ctl({"undo", "2"});
   EXPECT_NE(again.exit_code, 0);
   EXPECT_THAT(again.output,
-              AllOf(StartsWith("ssl-visionctl: what revision 2 changed was changed again since; "),
+              AllOf(StartsWith("ssl-visionctl: the values of revision 2 have changed since; "),
                     HasSubstr("127.0.0.1 made revision 4: /site: \"Field B\" -> \"" + site + "\"")));
 }
 
@@ -327,7 +327,7 @@ TEST_F(Daemon, ACameraMayComeGoAndChangeItsStackWhileRunning) {
       [](const Json& s) { return s["cameras"].size() == 1 && s["cameras"][0]["id"] == 1; });
 }
 
-TEST_F(Daemon, WarnsOfPicturesThatTheCalibrationWasNotMadeFor) {
+TEST_F(Daemon, WarnsIfTheCalibrationIsForAnotherImageSize) {
   Json& camera = settings_["cameras"][1];
   camera["source"] = {
       {"backend", "files"}, {"path", source_path("/tests/golden/division_b.jpg")}, {"loop", true}};
@@ -443,7 +443,7 @@ INSTANTIATE_TEST_SUITE_P(
                     {"/patterns_file", "/no/such.json"}}),
     [](const auto& one) { return one.param.name; });
 
-TEST(Arguments, WrongOnesEndWithSixtyFour) {
+TEST(Arguments, WrongOnesExitWithCode64) {
   EXPECT_EQ(run_to_end({daemon_program(), "--no-such-option"}).exit_code, 64);
   EXPECT_EQ(run_to_end({daemon_program()}).exit_code, 64);
   EXPECT_EQ(run_to_end({ctl_program(), "no-such-command"}).exit_code, 64);

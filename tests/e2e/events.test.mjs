@@ -63,7 +63,7 @@ describe('the history of alerts and events', () => {
     await service.stop();
   });
 
-  it('is there after a kill: what was open ended with the service', async () => {
+  it('survives a kill: open alerts end with the service', async () => {
     const service = await create();
     await service.start();
     await loseCamera(service);
@@ -164,7 +164,7 @@ describe('the history of alerts and events', () => {
     await becomes(() => Date.now() - before, (ms) => ms > 1500);
     service.process.kill('SIGCONT');
     const [line] = await becomes(() => service.log.filter((one) => /camera 0: \d+ of \d+ images lost/.test(one)), (lines) => lines.length > 0);
-    const [, lost, dropped] = /camera 0: (\d+) of \d+ images lost in the last \d+ s: (\d+) were not processed in time, \d+ came damaged/.exec(line);
+    const [, lost, dropped] = /camera 0: (\d+) of \d+ images lost in the last \d+ s: (\d+) were not processed in time, \d+ arrived damaged/.exec(line);
     const { cameras } = await service.status();
     assert.ok(Number(lost) >= Number(dropped) && Number(dropped) > 0 && Number(dropped) <= cameras[0].frames_dropped, `${line}; ${cameras[0].frames_dropped}`);
     await service.stop();

@@ -26,7 +26,7 @@ after(() => Promise.all(services.map((service) => service.remove())));
 const cyanCells = async (service) => (await service.get('api/cameras/0/colors')).labels.find(({ name }) => name === 'cyan').cells;
 
 describe('killed while it saves', () => {
-  it('loses nothing that was answered as saved, and its files are whole', async () => {
+  it('loses nothing that was reported as saved, and its files are intact', async () => {
     const service = await create();
     const rounds = tries(40, 500);
     const starts = [];
@@ -270,7 +270,7 @@ describe("the admin's file", () => {
     assert.ok(existsSync(join(service.state, 'settings.json')));
   });
 
-  it('is read anew at SIGHUP, or refused with one line and an alert', async () => {
+  it('is reloaded at SIGHUP, or refused with one line and an alert', async () => {
     const service = await create();
     await service.start();
     const name = 'sslv_config_last_reload_success_timestamp_seconds';
@@ -293,7 +293,7 @@ describe("the admin's file", () => {
       await becomes(reloaded_s, (now_s) => now_s > before_s);
 
       const good_s = await reloaded_s();
-      for (const [text, why] of [['{"site": ', /line 1, column 10/], ['{"site": 7}', /\/site: 7 is not allowed/], ['{"version": 99}', /\/version: 99 is newer/], ['{"cameras": []}', /what was changed in the panel/]]) {
+      for (const [text, why] of [['{"site": ', /line 1, column 10/], ['{"site": 7}', /\/site: 7 is not allowed/], ['{"version": 99}', /\/version: 99 is newer/], ['{"cameras": []}', /together with the panel's changes/]]) {
         service.writeSettings(text);
         const lines = service.log.length;
         service.process.kill('SIGHUP');
@@ -324,7 +324,7 @@ describe("the admin's file", () => {
 });
 
 describe('many changes', () => {
-  it('under load: none is lost, no frame is, and memory comes back', async () => {
+  it('under load: no change and no frame is lost, and memory is freed', async () => {
     const service = await create({ cameras: [smallCamera(0, 60), smallCamera(1, 60)] });
     await service.start();
     const packets = await service.listen();
@@ -386,7 +386,7 @@ describe('many changes', () => {
 });
 
 describe('a disk that hangs', { skip: existsSync(HUNG_DISK) ? false : `${HUNG_DISK} is not built` }, () => {
-  it('costs messages of the match log, which is told, and no image', async () => {
+  it('loses messages of the match log, which is reported, and no image', async () => {
     const service = await create();
     const hung = join(service.folder, 'hung');
     Object.assign(service.environment, {

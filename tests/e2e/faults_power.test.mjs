@@ -70,7 +70,7 @@ async function record(service, name) {
 }
 
 describe('a match log while the service is killed', () => {
-  it('has what was written, and is made whole at the next start', async () => {
+  it('keeps what was written, and is repaired at the next start', async () => {
     const service = await create();
     const rounds = tries(4, 200), lost_ms = [];
     await service.start();
@@ -133,7 +133,7 @@ function mountImage(image, folder) {
 describe('a match log while the power fails', () => {
   // A real file system (ext4) on a disk that logs its requests. After a power cut the disk has all writes before the
   // last flush, and any subset of the later ones.
-  it('has what was written, and is made whole', { skip: cannotCutPower() }, async () => {
+  it('keeps what was written, and is repaired', { skip: cannotCutPower() }, async () => {
     const service = await create();
     const cuts = tries(12, 200), recorded_s = 10 + cuts / 4;
     const disk = join(service.folder, 'disk'), diskLog = join(service.folder, 'disk.log');

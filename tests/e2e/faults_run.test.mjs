@@ -105,7 +105,7 @@ describe('a camera that fails', () => {
 });
 
 describe('a port that is taken', () => {
-  it('is one line and an exit code that is tried again', async () => {
+  it('is reported in one line, with an exit code that makes systemd retry', async () => {
     const service = await create();
     const rounds = tries(5, 50);
     const times = [];

@@ -160,7 +160,7 @@ TEST_F(Field, ACameraOfAnotherComputerIsShownAndTrackedOnceItIsNamed) {
 }
 
 /// Like a switch without IGMP: multicast is lost, broadcasts arrive.
-TEST_F(Field, AComputerThatBroadcastsIsHeardAsOneThatDoesNot) {
+TEST_F(Field, ABroadcastingComputerIsHeard) {
   Json other = settings_;
   other["cameras"].erase(0);
   other["network"]["tracker"]["enabled"] = false;
@@ -225,7 +225,7 @@ TEST_F(Field, ItsStackIsCheckedAndChangedWhileItRuns) {
 /// Other computers' cameras send nonsense, always at least a metre from our robots. Our cameras see the whole
 /// field and standing robots, so any motion of a track comes from the foreign data. Tracks are compared only
 /// while our cameras deliver images: if a busy computer stalls them, another computer may be the only source.
-TEST_F(Field, ForeignNonsenseHarmsNoTrack) {
+TEST_F(Field, InvalidForeignDataHarmsNoTrack) {
   settings_["field"]["other_computers"] = Json::array({"127.0.0.1"});  // wrongly trusted by an admin
   for (Json& camera : settings_["cameras"]) {
     camera["source"].update(Json{{"speed", 0}, {"frame_rate_hz", 20}});

@@ -260,7 +260,7 @@ TEST_F(JointCalibration, OfOtherPicturesIsNeverAccepted) {
     const Json state = daemon.get(kPath);
     EXPECT_EQ(state["state"], "failed");
     EXPECT_TRUE(state["report"].is_null());
-    EXPECT_THAT(state["problem"].get<std::string>(), HasSubstr("was changed since"));
+    EXPECT_THAT(state["problem"].get<std::string>(), HasSubstr("has changed since"));
     daemon.post(kAccept, {{"force", true}}, 409);
   };
   // The calibration is done, then a camera gets another source.
@@ -274,7 +274,7 @@ TEST_F(JointCalibration, OfOtherPicturesIsNeverAccepted) {
   expect_invalid();
 }
 
-TEST_F(JointCalibration, WhatIsNotGoodEnoughIsTakenByForceOnly) {
+TEST_F(JointCalibration, APoorResultIsAcceptedOnlyByForce) {
   RunningDaemon daemon(settings_file(), state_);
   spoil(daemon);
   // The robot heights are set too low: the robots' positions would agree only if the cameras were lower.

@@ -54,7 +54,7 @@ const faults = [
   { name: 'an image larger than the window', style: 'canvas { height: 900px; } .picture { height: auto; }', kind: 'image', at: /camera-picture-0/ },
 ];
 
-describe('the eye for layout', () => {
+describe('the layout check', () => {
   let browser;
   let page;
   before(async () => {
@@ -80,7 +80,7 @@ describe('the eye for layout', () => {
     });
   }
 
-  it('lets pass what is meant, and nothing else', async () => {
+  it('accepts only marked exceptions', async () => {
     const parts = { style: '#one { height: 30px; } #two { height: 30px; }' };
     const found = await see(parts, [{ kind: 'small', selector: '#one', why: 'a test' }]);
     assert.deepEqual(found.map(({ kind, at }) => [kind, /Two/.test(at)]), [['small', true]]);
@@ -101,7 +101,7 @@ describe('the eye for layout', () => {
     assert.notDeepEqual(overlaps(await look(false)), []);
   });
 
-  it('sees through axe what cannot be read', async () => {
+  it('reports low contrast through axe', async () => {
     await page.setContent(sound({ style: '#text { color: #ccc; }' }));
     assert.match((await axeFaults(page)).join(), /color-contrast/);
   });

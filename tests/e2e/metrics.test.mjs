@@ -86,7 +86,7 @@ describe('monitoring', () => {
   beforeEach(() => service.restore());
   after(() => service.end());
 
-  it('is told in the format of Prometheus', async () => {
+  it('uses the Prometheus format', async () => {
     const { text, headers } = await ask('metrics');
     assert.equal(headers.get('content-type'), 'text/plain; version=0.0.4; charset=utf-8');
     assert.equal(headers.get('cache-control'), 'no-store');
@@ -103,7 +103,7 @@ describe('monitoring', () => {
     assert.equal('sslv_clock_offset_seconds' in families, (await (await fetch(service.address('api/diagnostics'))).json()).clock !== null);
   });
 
-  it('has whole histograms', async () => {
+  it('has complete histograms', async () => {
     // A frame may end during the scrape, so consistency is only required within a series.
     const families = await metrics();
     const stages = histograms(families.sslv_stage_duration_seconds);
@@ -160,7 +160,7 @@ describe('monitoring', () => {
     await becomes(metrics, (families) => value(families, 'sslv_preview_clients') === 0);
   });
 
-  it('says when settings came into force', async () => {
+  it('reports when settings took effect', async () => {
     const name = 'sslv_config_last_reload_success_timestamp_seconds';
     const earlier = value(await metrics(), name);
     assert.ok(Math.abs(earlier - Date.now() / 1000) < 600);
@@ -228,7 +228,7 @@ describe('monitoring', () => {
     assertNoneWentBack(earlier, await metrics());
   });
 
-  it('may ask for the head alone, and for nothing else', async () => {
+  it('allows only GET and HEAD', async () => {
     await eventually(async () => assert.equal((await ask('readyz')).status, 200));
     for (const path of ['metrics', 'healthz', 'readyz']) {
       const head = await fetch(service.address(path), { method: 'HEAD' });

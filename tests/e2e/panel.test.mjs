@@ -203,7 +203,7 @@ describe('panel', () => {
     }
   }));
 
-  it('gives figures and finds nothing wrong', withPage(DESKTOP, '', {}, async (page) => {
+  it('shows figures and passing checks', withPage(DESKTOP, '', {}, async (page) => {
     for (const { id } of settings.cameras) {
       await page.waitForFunction((selector) => Number(document.querySelector(selector)?.textContent) > 0, byId(`fps-${id}`));
       await textBecomes(page, `fps-${id}`, /^\d+\.\d$/);

@@ -135,7 +135,7 @@ describe('who may do what, in the panel', () => {
         }
       });
 
-      it('locks settings while a match runs, says why, and unlocks them for a word', async () => {
+      it('locks settings during a match, says why, and unlocks them on confirmation', async () => {
         await startAfresh();
         await withPage(viewport, SITE, options, async (page) => {
           const click = (selector) => (options.hasTouch ? page.tap(selector) : page.click(selector));
@@ -209,7 +209,7 @@ describe('who may do what, in the panel', () => {
     });
   }
 
-  it('asks nobody for a password who only looks', async () => {
+  it('asks viewers for no password', async () => {
     await startAfresh('admin');
     await withPage(DESKTOP, '#/colours/0', {}, async (page) => {
       const refused = [];
@@ -225,7 +225,7 @@ describe('who may do what, in the panel', () => {
     })();
   });
 
-  it('disables on every page what a match locks, and nothing else', async () => {
+  it('disables on every page only the controls that a match locks', async () => {
     await startAfresh();
     refereeSays(NORMAL_START);
     await becomes(async () => (await (await fetch(service.address('api/session'))).json()).match_lock.locked, Boolean);

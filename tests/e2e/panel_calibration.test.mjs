@@ -339,7 +339,7 @@ describe('calibration page', () => {
     }
   }
 
-  it('takes what is known along, shows progress and looks accessible', withPage(DESKTOP, '#/calibration/1', {}, async (page) => {
+  it('sends known values, shows progress and is accessible', withPage(DESKTOP, '#/calibration/1', {}, async (page) => {
     await page.click(byId('step-known'));
     await page.getByLabel('Height above the floor in mm').fill('50');
     await page.keyboard.press('Enter');
@@ -377,7 +377,7 @@ describe('calibration page', () => {
     await patch(...settings.cameras.map(({ calibration: old }, i) => ({ op: 'replace', path: `/cameras/${i}/calibration`, value: old })));
   }));
 
-  it('refuses while the game runs, unless one insists', withPage(DESKTOP, '#/calibration/0', {}, async (page, panel) => {
+  it('refuses while the game runs, unless overridden', withPage(DESKTOP, '#/calibration/0', {}, async (page, panel) => {
     const { group, port } = settings.network.referee;
     const stop = await playGame(group, port);
     try {

@@ -100,7 +100,7 @@ describe('the camera page', () => {
     }));
   }
 
-  it('hatches what the mask leaves out, and nothing else', withPage(DESKTOP, '#/camera/0', {}, async (page) => {
+  it('hatches only masked areas', withPage(DESKTOP, '#/camera/0', {}, async (page) => {
     await picturesGoOn(page, 0);
     // A calibrated camera automatically hides the area beyond its field.
     await page.waitForSelector(byId('overlay-beyond'), { state: 'attached' });
@@ -208,7 +208,7 @@ describe('the camera page', () => {
     }));
   }
 
-  it('shows and sets what a played recording offers', withPage(DESKTOP, '#/camera/1', {}, async (page) => {
+  it('shows and sets the playback controls of a recording', withPage(DESKTOP, '#/camera/1', {}, async (page) => {
     const still = Buffer.from(await (await fetch(address('api/cameras/1/snapshot.jpg?quality=90'))).arrayBuffer());
     const recording = join(service.folder, 'recording');
     mkdirSync(recording);

@@ -486,7 +486,7 @@ describe('colours page', () => {
       await becomes((now) => cellsOf(now, 'pink') > 0);
     }
     await page.click(byId('more-tools'));
-    await page.getByLabel('Replace by').selectOption('cyan');
+    await page.getByLabel('Replace with').selectOption('cyan');
     const { labels } = await state();
     await page.click(byId('replace'));
     const replaced = await becomes((now) => cellsOf(now, 'pink') === 0);
@@ -495,7 +495,7 @@ describe('colours page', () => {
     await becomes((now) => now.origin === 'classes' && cellsOf(now, 'cyan') === 0);
   }));
 
-  it('says in the service\'s words what a file lacks, and keeps the table', withPage(DESKTOP, '#/colours/0', {}, async (page, panel) => {
+  it('shows the service\'s error for an invalid file, and keeps the table', withPage(DESKTOP, '#/colours/0', {}, async (page, panel) => {
     await ready(page);
     const before = await tableFile();
     panel.errorsExpected = true; // the browser logs the refused request
@@ -595,7 +595,7 @@ describe('colours page', () => {
   }));
 
   // Must be last: a step whose label was removed cannot be undone.
-  it('has labels of the admin\'s own', withPage(DESKTOP, '#/colours/0', {}, async (page) => {
+  it('supports custom labels', withPage(DESKTOP, '#/colours/0', {}, async (page) => {
     await ready(page);
     await page.click(byId('new-label'));
     await page.fill(byId('new-label-name'), 'cup');

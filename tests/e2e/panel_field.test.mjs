@@ -142,7 +142,7 @@ describe('panel: field and network', () => {
       await page.fill(names, 'TopTouchLine');
       panel.errorsExpected = true; // the browser logs the refusal
       await page.press(names, 'Enter');
-      await page.waitForSelector(`${lines} td[role="alert"]:has-text("a name that /field/field_lines/0 does not have")`);
+      await page.waitForSelector(`${lines} td[role="alert"]:has-text("a name other than that of /field/field_lines/0")`);
       assert.equal((await current()).field.field_lines[1].name, 'BottomTouchLine');
       await page.click(`${lines} button:has-text("From the sizes")`);
       await statusBecomes((status) => status.field.field_lines === null);

@@ -50,7 +50,7 @@ describe('the first set-up', () => {
   beforeEach(service.restore);
 
   for (const { name, viewport, options, it } of views) {
-    it(`begins with a camera to add and what leads to GO, on a ${name}`, withPage(viewport, '', options, async (page) => {
+    it(`begins with adding a camera and the steps to GO, on a ${name}`, withPage(viewport, '', options, async (page) => {
       await page.waitForSelector(byId('add-camera'));
       await textBecomes(page, 'verdict', /NO-GO/);
       for (const id of ['camera', 'network', 'field', 'colours', 'calibration', 'robots', 'password']) {
@@ -189,7 +189,7 @@ describe('the first set-up', () => {
     }));
   }
 
-  it('lets nothing come between images and their camera, and can be cancelled', withPage(DESKTOP, '', {}, async (page, panel) => {
+  it('disables everything else during an upload of images, which can be cancelled', withPage(DESKTOP, '', {}, async (page, panel) => {
     panel.errorsExpected = true; // the browser logs the cancelled upload
     let goOn;
     const held = new Promise((resolve) => { goOn = resolve; });
@@ -249,7 +249,7 @@ describe('the first set-up', () => {
     await entry.waitFor({ state: 'detached' });
   }));
 
-  it('takes no simulated camera for a real one', withPage(DESKTOP, '', {}, async (page) => {
+  it('does not count a simulated camera as real', withPage(DESKTOP, '', {}, async (page) => {
     await page.click(byId('add-simulator'));
     await page.waitForSelector(byId('camera-tile-0'));
     assert.equal(await page.textContent(byId('origin-0')), 'simulated');
@@ -265,7 +265,7 @@ describe('the first set-up', () => {
     await page.waitForURL(/#\/calibration\/0$/);
   }));
 
-  it('goes where somebody hides it, for good', withPage(PHONE, '', phone, async (page) => {
+  it('stays hidden once dismissed', withPage(PHONE, '', phone, async (page) => {
     await page.click(byId('steps-dismiss'));
     await page.waitForSelector(byId('first-steps'), { state: 'detached' });
     await page.reload();

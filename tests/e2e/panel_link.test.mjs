@@ -54,7 +54,7 @@ describe('panel over a bad link', () => {
   afterEach(() => link.limit(Infinity));
 
   for (const kbps of process.env.SSLV_VIEWS === 'all' ? [1000, 200] : [200]) {
-    it(`says "Slow link" at ${kbps} kbit/s and calls no camera lost, but one that is`, () => onPage('', async (page) => {
+    it(`says "Slow link" at ${kbps} kbit/s and reports only really lost cameras`, () => onPage('', async (page) => {
       await linkIs(page, 'slow');
       await textBecomes(page, 'connection', /^Slow link$/);
       // Checks repeatedly until two seconds' worth of data has been transferred.
@@ -260,7 +260,7 @@ describe('panel that nobody looks at', () => {
       assert.ok(button.x >= tile.x && button.x + button.width <= tile.x + tile.width, `in its tile: ${JSON.stringify({ tile, button })}`);
       // Before the files exist again: otherwise the service may reopen it first.
       await click(byId('reopen-1'));
-      await becomes(events, (entries) => entries.some(({ title }) => title === 'Asked to open camera 1 again'));
+      await becomes(events, (entries) => entries.some(({ title }) => title === 'Asked to reopen camera 1'));
       copyFileSync(join(root, 'tests/golden/division_b.jpg'), picture);
       await service.statusBecomes(({ cameras }) => cameras[1].state === 'running');
       await page.waitForSelector(byId('reopen-1'), { state: 'detached' });
@@ -276,7 +276,7 @@ describe('panel that nobody looks at', () => {
     }, { viewport, options: { ...options, serviceWorkers: 'block' }, prepare: listen }));
   }
 
-  it('does not save up the sounds of a page that may not sound yet', () => onPage('', async (page) => {
+  it('drops sounds while the browser does not allow them', () => onPage('', async (page) => {
     await live(page);
     await page.evaluate(() => { window.leave(); });
     await noFiles();

@@ -72,7 +72,7 @@ describe('settings page', () => {
       await treeBecomes(({ cameras }) => cameras[0].source.light === 1);
     }));
 
-    it(`keeps what is not allowed and says why, on a ${name}`, withPage(viewport, '#/settings/cameras/0/stages/detect_balls', options, async (page) => {
+    it(`keeps an invalid input and says why, on a ${name}`, withPage(viewport, '#/settings/cameras/0/stages/detect_balls', options, async (page) => {
       const pointer = '/cameras/0/stages/detect_balls/min_confidence';
       await typeInto(page, pointer, '7');
       const error = page.locator(`${row(pointer)} [role="alert"]`);
@@ -86,7 +86,7 @@ describe('settings page', () => {
     }));
   }
 
-  it('shows what the service refuses in its words', withPage(DESKTOP, '#/settings/network', {}, async (page, panel) => {
+  it('shows the service\'s refusals', withPage(DESKTOP, '#/settings/network', {}, async (page, panel) => {
     panel.errorsExpected = true; // the browser logs the refusal
     await typeInto(page, '/network/vision/group', 'nowhere');
     const error = await page.waitForSelector(`${row('/network/vision/group')} [role="alert"]`);
@@ -122,7 +122,7 @@ describe('settings page', () => {
     await treeBecomes(({ cameras }) => cameras[0].stages.detect_balls.max_balls === 31);
   }));
 
-  it('makes one step of the history of one move of a slider', withPage(DESKTOP, '#/settings/cameras/0/source', {}, async (page) => {
+  it('records one history step for one move of a slider', withPage(DESKTOP, '#/settings/cameras/0/source', {}, async (page) => {
     const pointer = '/cameras/0/source/light';
     const steps = async () => (await ask('settings/history')).length;
     const before = await steps();
@@ -266,7 +266,7 @@ describe('settings page', () => {
     await page.unrouteAll({ behavior: 'wait' });
   }));
 
-  it('takes steps back from the history', withPage(DESKTOP, '#/settings/cameras/1/stages/detect_robots', {}, async (page) => {
+  it('undoes steps from the history', withPage(DESKTOP, '#/settings/cameras/1/stages/detect_robots', {}, async (page) => {
     const pointer = '/cameras/1/stages/detect_robots/max_rms_mm';
     await typeInto(page, pointer, '5');
     await treeBecomes(({ cameras }) => cameras[1].stages.detect_robots.max_rms_mm === 5);
@@ -278,7 +278,7 @@ describe('settings page', () => {
     await page.waitForFunction((selector) => document.querySelector(selector)?.value === '6', `${row(pointer)} input[type="text"]`);
   }));
 
-  it('takes the own last change back by Ctrl Z', withPage(DESKTOP, '#/settings/cameras/1/stages/detect_robots', {}, async (page) => {
+  it('undoes the user\'s last change with Ctrl+Z', withPage(DESKTOP, '#/settings/cameras/1/stages/detect_robots', {}, async (page) => {
     const pointer = '/cameras/1/stages/detect_robots/max_rms_mm';
     const value = async () => (await tree()).cameras[1].stages.detect_robots.max_rms_mm;
     const slider = `${row(pointer)} input[type="range"]`;

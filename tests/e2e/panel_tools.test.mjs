@@ -59,7 +59,7 @@ describe('tools', () => {
     });
     after(() => team.leave());
 
-    it('of the API are those that a team receives', async () => {
+    it('from the API equal those that a team receives', async () => {
       const heard = await becomes(() => get('api/network/packets'), ({ detections, geometry }) => detections.length === settings.cameras.length && geometry
         && detections.every(({ packets_per_s, packet }) => packets_per_s > 0 && packet.detection.robots_yellow));
       assert.deepEqual([heard.group, heard.port, heard.not_heard_because], [GROUP, settings.network.vision.port, '']);
@@ -124,7 +124,7 @@ describe('tools', () => {
     it('tell who listens here, and that others cannot be seen', withPage(DESKTOP, '#/field/packets', {}, async (page) => {
       // The team in this test is another program on the service's computer.
       await textBecomes(page, 'local-programs', new RegExp(`socket.* of user ${userInfo().username} at port ${settings.network.vision.port}`));
-      await page.waitForSelector(`${byId('listeners')} >> text=Which teams listen cannot be seen from here.`);
+      await page.waitForSelector(`${byId('listeners')} >> text=The service cannot see which teams listen.`);
       const { programs, memberships } = await get('api/network/listeners');
       assert.ok(programs.some(({ user, address: bound }) => user === userInfo().username && bound === GROUP));
       assert.ok(memberships.some(({ interface: card, joins }) => card === 'lo' && joins >= 2), JSON.stringify(memberships));
@@ -291,7 +291,7 @@ describe('tools', () => {
       await page.waitForSelector(`${byId('freeze')}[aria-pressed="true"]`);
     }));
 
-    it('rest while somebody types, and are reached by a button', withPage(DESKTOP, '#/settings', {}, async (page) => {
+    it('are inactive while typing, and listed by a button', withPage(DESKTOP, '#/settings', {}, async (page) => {
       const search = page.locator('input[type="search"]').first();
       await search.waitFor();
       await page.keyboard.press('/');

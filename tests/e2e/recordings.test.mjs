@@ -153,7 +153,7 @@ describe('match logs', () => {
     assert.equal(messagesOf(readFileSync(join(folder, log.name))).length, Object.values(log.messages).reduce((a, b) => a + b));
   });
 
-  it('by hand do not leave out the match that begins meanwhile', async () => {
+  it('by hand do not prevent logging a match that begins meanwhile', async () => {
     await ask('POST', '/match-log', { record: true, name: 'warm-up' });
     said = { ...TEAMS, yellow: ['Third team'], stage: 1, command: START };
     await service.statusBecomes(({ referee }) => referee.game_is_running);
@@ -199,7 +199,7 @@ describe('match logs', () => {
     assert.equal((await ask('DELETE', `/logs/${name}`)).status, 404);
   });
 
-  it('are named by nobody outside their folder', async () => {
+  it('cannot be addressed outside their folder', async () => {
     writeFileSync(join(service.stateFolder, 'secret.log'), 'SSL_LOG_FILE');
     for (const name of ['..%2fsecret.log', '%2e%2e%2fsecret.log', '..%2f..%2fadmin.json', '.log', 'x.txt', encodeURIComponent('ä.log')]) {
       for (const method of ['GET', 'PATCH', 'DELETE']) assert.equal((await ask(method, `/logs/${name}`, method === 'GET' ? undefined : { pinned: true })).status, 404, `${method} ${name}`);
@@ -209,7 +209,7 @@ describe('match logs', () => {
     assert.ok(existsSync(join(service.stateFolder, 'secret.log')));
   });
 
-  it('survive a service that is killed: what was written is there', async () => {
+  it('keep what was written when the service is killed', async () => {
     await ask('POST', '/match-log', { record: true, name: 'killed' });
     const { name } = await state();
     await becomes(state, ({ messages, bytes }) => messages.vision > 40 && bytes > 1000);
@@ -228,13 +228,13 @@ describe('match logs', () => {
     assert.ok(!existsSync(join(folder, `${name}.unfinished`)));
   });
 
-  it('of others that stand in the folder are read, and what is none says why', async () => {
+  it('of other programs are read, and invalid files say why', async () => {
     mkdirSync(folder, { recursive: true });
     writeFileSync(join(folder, '2000-01-01_ours.log'), Buffer.concat([Buffer.from('SSL_LOG_FILE\0\0\0\x01', 'latin1'), Buffer.from([0, 0, 0, 0, 0x3b, 0x9a, 0xca, 0, 0, 0, 0, 4, 0, 0, 0, 2, 1, 2])]));
     writeFileSync(join(folder, '2000-01-02_no_log.log.gz'), 'no log');
     const all = await becomes(logs, (now) => now.filter(({ name }) => name.startsWith('2000')).every(({ seconds, problem }) => seconds !== null || problem !== ''));
     const [none, ours] = ['2000-01-02_no_log.log.gz', '2000-01-01_ours.log'].map((name) => all.find((log) => log.name === name));
-    assert.match(none.problem, /is no log of the league: it does not begin with SSL_LOG_FILE/);
+    assert.match(none.problem, /is not a log of the league: it does not begin with SSL_LOG_FILE/);
     assert.deepEqual([ours.problem, ours.begin_s, ours.seconds, ours.messages.vision], ['', 1, 0, 1]);
     assert.equal((await ask('GET', `/logs/${none.name}/events`)).status, 422);
   });
@@ -305,7 +305,7 @@ describe('match logs', () => {
     assert.equal(lost, 0);
     const { alerts } = await service.statusBecomes(({ alerts: now }) => now.some(({ id }) => id === 'recording_refused'));
     assert.equal(alerts.filter(({ id }) => id.startsWith('recording_')).length, 1);
-    assert.match(alerts.find(({ id }) => id === 'recording_refused').title, /^The match log leaves out \d+ datagrams /);
+    assert.match(alerts.find(({ id }) => id === 'recording_refused').title, /^The match log drops \d+ datagrams /);
     assert.deepEqual((await logs()).map((log) => log.name).sort(), [...older, name]);
 
     // With so little space left, strangers' valid messages may not take more of the log than our own.
@@ -341,7 +341,7 @@ describe('match logs', () => {
     for (const log of older) await ask('DELETE', `/logs/${log}`);
   });
 
-  it('are kept although the disk shall have more room', async () => {
+  it('are kept even if the disk has less free space than required', async () => {
     const before = (await logs()).length;
     assert.ok(before > 0);
     await service.patch({ op: 'add', path: '/recording', value: { match_logs: 'by_hand', quota_mb: 1000, keep_free_mb: 10_000_000 } });
@@ -349,7 +349,7 @@ describe('match logs', () => {
     assert.equal((await logs()).length, before);
   });
 
-  it('are not recorded where the disk must stay free, and say so', async () => {
+  it('are refused with a reason if the disk has too little free space', async () => {
     await service.patch({ op: 'add', path: '/recording', value: { match_logs: 'by_game_controller', quota_mb: 10, keep_free_mb: 10_000_000 } });
     const refused = await ask('POST', '/match-log', { record: true });
     assert.equal(refused.status, 507);

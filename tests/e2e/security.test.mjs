@@ -120,13 +120,13 @@ describe('a service without a password', () => {
     }
   });
 
-  it('cannot be told over the network to listen for others', async () => {
+  it('refuses to listen on other addresses if asked over the network', async () => {
     const answer = await ask('PATCH', 'api/settings', { body: [{ op: 'replace', path: '/panel/address', value: '0.0.0.0' }] });
     assert.equal(answer.status, 422);
     assert.match(answer.json.error, /no password is set/);
   });
 
-  it('is not opened by a page of another site, nor by a name that leads here', async () => {
+  it('refuses pages of other sites and unknown host names', async () => {
     const { port } = service.settings.panel;
     const evil = `evil.example:${port}`;
     const body = rename('Stolen');
@@ -192,7 +192,7 @@ describe('a service with passwords', () => {
     assert.deepEqual((await ask('GET', 'api/settings')).json, before);
   });
 
-  it('gives who signs in a cookie that scripts cannot read and other sites do not send', async () => {
+  it('sets a session cookie that scripts cannot read and other sites do not send', async () => {
     const answer = await ask('POST', 'api/session', { body: { password: ADMIN } });
     assert.match(answer.headers['set-cookie'][0], /^ssl_visiond_\d+=[0-9a-f]{64}; HttpOnly; SameSite=Strict; Path=\/; Max-Age=\d+$/);
     assert.equal(answer.json.may, 'change');
@@ -204,7 +204,7 @@ describe('a service with passwords', () => {
     assert.equal((await ask('GET', 'api/settings')).json.settings.site, 'Ours');
   });
 
-  it('lets nobody look without the viewers\' password, once there is one, and ends what they look at', async () => {
+  it('requires the viewers\' password once it is set, and closes open views', async () => {
     const { port } = service.settings.panel;
     const socket = await handshake(`Host: 127.0.0.1:${port}\r\n`);
     assert.match(socket.received, /^HTTP\/1\.1 101 /);
@@ -243,7 +243,7 @@ describe('a service with passwords', () => {
     assert.equal((await passwd(ADMIN)).code, 0);
   });
 
-  it('makes who guesses wait', { skip: noOutside }, async () => {
+  it('delays password guessing', { skip: noOutside }, async () => {
     const guess = (password) => ask('POST', 'api/session', { body: { password }, from: outside });
     // All at once, as one attempt becomes available every ten seconds, and checking a password takes long on a busy
     // computer. The correct one, which restores all attempts, may be among the first.
@@ -279,7 +279,7 @@ describe('a service with passwords', () => {
     assert.equal((await ask('GET', 'api/settings')).json.settings.site, 'By file');
   });
 
-  it('tells its secrets to nobody', async () => {
+  it('reveals no secrets', async () => {
     const cookie = await signIn(ADMIN);
     await ask('POST', 'api/session', { body: { password: 'typed in the wrong place' } });
     await ask('PUT', 'api/passwords/viewer', { body: { password: VIEWER, admin_password: ADMIN }, cookie });
@@ -322,7 +322,7 @@ describe('a service with passwords', () => {
     assert.doesNotMatch(log, /^audit: 6\.6\.6\.6/m);
   });
 
-  it('keeps a share of the tries for its own computer and for admins while others guess', { skip: noOutside }, async () => {
+  it('reserves sign-in attempts for its own computer and for admins while others guess', { skip: noOutside }, async () => {
     await service.stop(); // restores the sign-in attempts that other tests have used
     await service.start();
     const viewer = await ask('PUT', 'api/passwords/viewer', { body: { password: VIEWER, admin_password: ADMIN }, cookie: await signIn(ADMIN) });
@@ -354,7 +354,7 @@ describe('a service with passwords', () => {
 
   const waiting = ['', 'GET /api/sta', 'POST /api/session HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9\r\n\r\n{', 'GET /api/session HTTP/1.1\r\nHost: localhost\r\n\r\n'];
 
-  it('serves who sends a request, however many connections never do', async () => {
+  it('serves requests despite many connections that send none', async () => {
     const addresses = ['127.0.0.2', '127.0.0.3', '127.0.0.4', '127.0.0.5', ...(outside ? [outside] : [])];
     const sockets = [];
     try {
@@ -427,7 +427,7 @@ describe('files that settings name', () => {
     await refused('/cameras/1/source', { backend: 'files', path: '/dev/zero' });
   });
 
-  it('may not be brought in by a profile either', async () => {
+  it('may not come from outside through a profile either', async () => {
     const { settings } = (await ask('GET', 'api/settings')).json;
     const saved = await ask('PUT', 'api/profiles/theirs', { body: { settings: { ...settings, patterns_file: '/etc/passwd' } } });
     assert.ok([200, 422].includes(saved.status), saved.text);
@@ -442,7 +442,7 @@ describe('files that settings name', () => {
     await service.patch({ op: 'replace', path: '/cameras/1/source', value: service.settings.cameras[1].source });
   });
 
-  it('are not written by a client that asks for an address of them', async () => {
+  it('cannot be read or written through their paths', async () => {
     for (const path of ['../state/passwords.json', '%2e%2e/state/passwords.json', 'assets/../../state/passwords.json', '/etc/passwd', '..%2f..%2fetc/passwd', 'api/profiles/..%2fpasswords']) {
       const answer = await ask('GET', path);
       assert.ok([400, 403, 404].includes(answer.status), `${path}: ${answer.status}`);
@@ -464,7 +464,7 @@ describe('ssl-visionctl', () => {
   const bad = '\u001b]0;x\u0007\u001b[2J\u009b31m\u007f\u202e\u2066\r\nGO';
   const isPlain = (text) => assert.doesNotMatch(text, /[^\P{Cc}\n]|[\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]/u);
 
-  it('shows what a hostile service says as text', async () => {
+  it('shows a hostile service\'s output as plain text', async () => {
     const profiles = [{ name: bad, time: 0, who: bad }];
     says(200, { profiles });
     const text = await asks('profiles');
@@ -487,7 +487,7 @@ describe('ssl-visionctl', () => {
     }
   });
 
-  it('does not read without end', async () => {
+  it('limits how much it reads', async () => {
     answer = (response) => {
       response.writeHead(200);
       const more = () => { while (response.write('['.repeat(1 << 20))); };
@@ -519,7 +519,7 @@ describe('names that settings give', () => {
     assert.deepEqual((await ask('GET', 'api/settings')).json, before);
   });
 
-  it('and requests of hosts and origins are read strictly', async () => {
+  it('are compared strictly with host and origin headers', async () => {
     const own = `127.0.0.1:${service.settings.panel.port}`;
     for (const Host of ['[::1]evil.example', '[::1].evil.example:80', '127.0.0.1:evil', `${own}.evil.example`]) assert.equal((await ask('GET', 'api/status', { headers: { Host } })).status, 403, Host);
     for (const Origin of [`x://${own}`, `file://${own}`]) assert.equal((await ask('PATCH', 'api/settings', { body: [], headers: { Origin } })).status, 403, Origin);
@@ -557,7 +557,7 @@ describe('the match lock', () => {
     await service.stop();
   });
 
-  it('keeps settings as they are while robots play, until an admin says otherwise or the match ends', async () => {
+  it('locks settings during play, until an admin unlocks them or the match ends', async () => {
     assert.equal((await ask('POST', 'api/match_lock', { body: { opened: true } })).status, 409, 'no match runs');
     hears('running');
     await lockBecomes(true);

@@ -53,7 +53,7 @@ TEST_F(Notifies, ReadyAliveReloadingAndStopping) {
   EXPECT_EQ(daemon.wait_for_exit(), 0);
 }
 
-TEST_F(Notifies, AReloadThatIsRefusedEndsToo) {
+TEST_F(Notifies, EndsARefusedReload) {
   ChildProcess daemon(words(), environment());
   manager_.wait_for("READY=1");
   std::ofstream(folder_.file("settings.json")) << "{";
@@ -127,7 +127,7 @@ class StuckFilm {
   std::jthread writer_;
 };
 
-TEST_F(Notifies, ACameraThreadThatHangsStopsTheFeedingAndARestartMendsIt) {
+TEST_F(Notifies, AHangingCameraThreadStopsTheWatchdogUntilARestart) {
   const std::string film = folder_.file("film.mjpeg");
   settings_["cameras"][1]["source"] = {{"backend", "files"}, {"path", film}, {"frame_rate_hz", 100}};
   {
@@ -179,7 +179,7 @@ class HungDisk : public Notifies {
   const std::string hung_ = folder_.file("hung");
 };
 
-TEST_F(HungDisk, DoesNotKeepTheServiceFromEndingBeforeItsManagerAbortsIt) {
+TEST_F(HungDisk, LetsTheServiceEndBeforeItsManagerAbortsIt) {
   ChildProcess daemon(words(), environment());
   manager_.wait_for("READY=1");
   hang();
@@ -200,7 +200,7 @@ TEST_F(HungDisk, DoesNotEndTheService) {
   EXPECT_EQ(daemon.wait_for_exit(), 0);
 }
 
-TEST_F(Notifies, AStoppedProcessIsNotFed) {
+TEST_F(Notifies, AStoppedProcessSendsNoWatchdog) {
   ChildProcess daemon(words(), environment());
   manager_.wait_for("WATCHDOG=1");
   daemon.send_signal(SIGSTOP);
@@ -298,7 +298,7 @@ TEST_F(Crashes, LeaveAClipOfWhatTheCamerasSaw) {
                                  [](const Json& alert) { return alert["id"] == "service_crashed"; });
     });
     EXPECT_EQ(title_of_alert(status, "service_crashed"),
-              "The service crashed and runs again; clip " + name + " shows what the cameras saw before");
+              "The service crashed and was restarted; clip " + name + " shows what the cameras saw before");
     const Finished compared =
         run_to_end({ctl_program(), "replay", (state_ / "recordings" / name).string(), "--compare"});
     EXPECT_EQ(compared.exit_code, 0) << compared.output;
@@ -331,7 +331,7 @@ TEST_F(Crashes, LeaveNoClipWhereNoneIsWanted) {
   EXPECT_EQ(crash_clips(second), Json::array());
   wait_until_kept(second);  // the first run's rings have been discarded
   EXPECT_EQ(title_of_alert(second.get("/api/status"), "service_crashed"),
-            "The service crashed and runs again");
+            "The service crashed and was restarted");
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ describe('stage libraries', () => {
   });
   after(() => service.end());
 
-  it('bring stages with parameters, parts of their own and times', async () => {
+  it('provide stages with parameters, parts of their own and times', async () => {
     put('counting');
     await service.start();
     const { properties } = await ask('api/schema');
@@ -48,7 +48,7 @@ describe('stage libraries', () => {
     assert.deepEqual(alertsOf(await ask('api/status'), 'stage_library'), []);
   });
 
-  it('that are no good are named and left out, and the service runs', async () => {
+  it('that are invalid are named and skipped, and the service runs', async () => {
     for (const name of ['counting', 'no_stamp', 'missing_symbol', 'throws_loading', 'crashes_loading', 'exits_loading', 'throws_making']) put(name);
     writeFileSync(join(folder, 'cut_off.so'), readFileSync(join(folder, 'counting.so')).subarray(0, 5000));
     await service.start();
@@ -60,7 +60,7 @@ describe('stage libraries', () => {
     await setStack(STACK);
   });
 
-  it('that are gone leave a camera with the rest of its stack, which says so, and lose no setting', async () => {
+  it('that are missing are reported and keep their settings, while the rest of the stack runs', async () => {
     put('counting');
     await service.start();
     await setStack(STACK);
@@ -72,9 +72,9 @@ describe('stage libraries', () => {
     assert.deepEqual(status.cameras[0].stages.map(({ name }) => name), ['segment', 'detect_robots', 'detect_balls', 'publish']);
     const [alert, ...more] = alertsOf(status, 'stage_missing');
     assert.deepEqual(more, []);
-    assert.equal(alert.title, "Camera 0 runs without the stages 'count_balls' and 'tell_balls', which are not there");
+    assert.equal(alert.title, "Camera 0 runs without the stages 'count_balls' and 'tell_balls', which are not installed");
     assert.equal(alert.camera, 0);
-    assert.match(alert.fix, /No library in the folders of stages brings it\. /);
+    assert.match(alert.fix, /No stage library provides it\. /);
 
     const { settings } = await ask('api/settings');
     assert.deepEqual(settings.cameras[0].stack, STACK);
@@ -82,7 +82,7 @@ describe('stage libraries', () => {
     await service.patch({ op: 'replace', path: '/cameras/0/name', value: 'Other changes go on' });
     const refused = await patch({ op: 'replace', path: '/cameras/1/stack', value: ['segment', 'no_such_stage'] });
     assert.equal(refused.status, 422);
-    assert.match(await refused.text(), /\/cameras\/1\/stack: the stage 'no_such_stage' is not there/);
+    assert.match(await refused.text(), /\/cameras\/1\/stack: the stage 'no_such_stage' is not installed/);
 
     await service.stop();
     put('counting');
@@ -104,15 +104,15 @@ describe('stage libraries', () => {
     await service.start();
     const status = await service.statusBecomes(({ cameras }) => cameras.every(({ state, robots }) => state === 'running' && robots > 0));
     const [{ title, fix }] = alertsOf(status, 'stage_missing');
-    assert.match(title, /^Camera 0 runs without the stage 'count_balls', whose parameters are of another version \(\/cameras\/0\/stages\/count_balls\/at_least: /);
-    assert.equal(fix, 'Correct the parameters, or take the stage out of the stack.');
+    assert.match(title, /^Camera 0 runs without the stage 'count_balls', whose parameters are for another version \(\/cameras\/0\/stages\/count_balls\/at_least: /);
+    assert.equal(fix, 'Correct the parameters, or remove the stage from the stack.');
     assert.equal((await ask('api/settings')).settings.cameras[0].name, 'North');
     await service.patch({ op: 'replace', path: '/cameras/0/stages/count_balls', value: { at_most: 2 } });
     const good = await service.statusBecomes(({ cameras }) => cameras[0].stages.length === 5);
     assert.deepEqual(alertsOf(good, 'stage_missing'), []);
   });
 
-  it('run in processes of their own where they are not trusted, which may die', async () => {
+  it('run in a sandbox if untrusted, and may crash there', async () => {
     service.options = ['--stages-apart', folder];
     put('counting');
     await service.start();
@@ -139,7 +139,7 @@ describe('stage libraries', () => {
       }
       return ask('api/status');
     };
-    const isKilled = (now) => alertsOf(now, 'stage_warns').some(({ title }) => /ended by signal 9/.test(title));
+    const isKilled = (now) => alertsOf(now, 'stage_warns').some(({ title }) => /killed by signal 9/.test(title));
     await becomes(killing, (now) => now.cameras[0].frames > before.frames + 5 && now.cameras[0].robots > 0 && isKilled(now));
     await becomes(async () => children(), (pids) => pids.length === 2);
     await service.patch({ op: 'replace', path: '/cameras/0/stages/count_balls/deadline_ms', value: 20 });
@@ -169,7 +169,7 @@ describe('stage libraries', () => {
     service.options = ['--stages', folder];
   });
 
-  it('are needed by a settings file that is checked', () => {
+  it('are needed to check settings that use them', () => {
     const file = join(service.folder, 'checked.json');
     writeFileSync(file, JSON.stringify({ cameras: [{ stack: STACK }] }));
     const check = (...options) => spawnSync(DAEMON, ['--check-config', file, ...options], { encoding: 'utf8' });

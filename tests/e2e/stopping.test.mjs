@@ -322,7 +322,7 @@ describe('SIGTERM during', () => {
   after(() => service.end());
 
   for (const [during, begin] of Object.entries(activities)) {
-    it(`${during}: it ends, and says that all is well`, async () => {
+    it(`${during}: it ends with exit code 0`, async () => {
       const times = [];
       for (let i = 0; i < TRIES; i++) {
         await service.stop();

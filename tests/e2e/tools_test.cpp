@@ -122,7 +122,7 @@ TEST_F(Tools, ProcessingIsDeterministic) {
   EXPECT_EQ(first, detections("b.jsonl"));
 }
 
-TEST_F(Tools, WhatCannotBeReadIsNamedAndSkipped) {
+TEST_F(Tools, UnreadableFilesAreNamedAndSkipped) {
   const std::string settings = settings_with("{}");
   must_run({ctl_program(), "simulate", "--settings", settings, "--frames", "2", "--output",
             folder_.file("frames")});
@@ -309,7 +309,7 @@ TEST_F(AskingADaemon, SettingsAreShownAndSet) {
               HasSubstr("/field/line_thickness  integer  1 .. 500  mm    width of the painted lines\n"));
 }
 
-TEST_F(AskingADaemon, WhatIsRefusedIsOneLine) {
+TEST_F(AskingADaemon, RefusalsAreOneLine) {
   const auto refused = [&](const std::vector<std::string>& words, int exit_code, const char* text) {
     const Finished run = ask(words);
     EXPECT_EQ(run.exit_code, exit_code) << run.output;

@@ -191,7 +191,7 @@ describe('the verdict', () => {
     });
   }
 
-  it('passes no field whose robots and ball nobody has ever seen', async () => {
+  it('does not pass a field whose robots and ball were never seen', async () => {
     await service.stop();
     for (const { source: to } of service.settings.cameras) Object.assign(to, { robots_yellow: 0, robots_blue: 0, balls: 0 });
     await service.start();

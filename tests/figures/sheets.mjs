@@ -129,7 +129,7 @@ writeFileSync(sumsFile, `${JSON.stringify({ ...readSums(), ...Object.fromEntries
 const title = ({ path, press, cameras }) => `${[path, press?.replace(/^(mode|show)-/, '')].filter(Boolean).join(', ')}${cameras === CAMERAS ? '' : `, ${cameras || 'no'} camera${cameras === 1 ? '' : 's'}`}`;
 const everything = views.filter(({ name }) => readdirSync(folder).includes(`${name}.jpg`));
 writeFileSync(join(root, 'docs/screens.md'), `# Every page at every size of screen
-Sizes: ${sizes.map(nameOfSize).join(', ')}. With ${CAMERAS} simulated cameras unless the title says
-otherwise. \`./run sheets\` makes these images and this page.
+Sizes: ${sizes.map(nameOfSize).join(', ')}. The pages show ${CAMERAS} simulated cameras
+unless the title says otherwise. \`./run sheets\` makes these images and this page.
 
 ${everything.map((view) => `## ${title(view)}\n![${title(view)}](images/sheets/${view.name}.jpg)\n`).join('\n')}`);

@@ -94,7 +94,8 @@ TEST_F(GpuStageOnGpu, AResetCostsNoImageAndTheGpuIsOpenedAgain) {
       on_gpu();
       return notes_.read().kind == Kind::kWarning;
     }));
-    EXPECT_THAT(notes_.read().text, HasSubstr("is lost: the GPU was reset; the CPU labels, next try in"));
+    EXPECT_THAT(notes_.read().text,
+                HasSubstr("is lost: the GPU was reset; labelling on the CPU, next try in"));
     faked_reset_status = GL_NO_ERROR;
     ASSERT_TRUE(becomes(on_gpu));
     ASSERT_TRUE(becomes([&] {

@@ -144,7 +144,7 @@ TEST_F(GpuThresholdStageTest, IsMeasuredAndSaysWhoIsFaster) {
 
 TEST_F(GpuThresholdStageTest, IsUsedWhereItIsAlwaysWanted) {
   start(patient());
-  ASSERT_TRUE(note_becomes(Kind::kNote, "the GPU is used, as it is set."));
+  ASSERT_TRUE(note_becomes(Kind::kNote, "the GPU is used, as configured."));
   for (int i = 0; i < 20; ++i) EXPECT_TRUE(image());
 }
 
@@ -153,20 +153,20 @@ TEST_F(GpuThresholdStageTest, IsLeftAloneWhereItIsNeverWanted) {
   start(patient());
   for (int i = 0; i < 10; ++i) EXPECT_FALSE(image());
   EXPECT_EQ(gpus_->opened, 0);
-  EXPECT_EQ(notes_.read().text, "The CPU labels all images, as it is set.");
+  EXPECT_EQ(notes_.read().text, "The CPU labels all images, as configured.");
   // The settings may change at runtime.
   use_ = Use::kAlways;
   EXPECT_TRUE(becomes_on_gpu());
   use_ = Use::kNever;
   EXPECT_FALSE(image());
-  EXPECT_EQ(notes_.read().text, "The CPU labels all images, as it is set.");
+  EXPECT_EQ(notes_.read().text, "The CPU labels all images, as configured.");
 }
 
 TEST_F(GpuThresholdStageTest, AProgramOnTheCpuIsNotUsedUnlessItIsWanted) {
   gpus_->is_software = true;
   use_ = Use::kWhenFaster;
   start(patient());
-  ASSERT_TRUE(note_becomes(Kind::kNote, "GPU (Fake 3000) is a program on the CPU: it is not used."));
+  ASSERT_TRUE(note_becomes(Kind::kNote, "GPU (Fake 3000) is a software renderer: it is not used."));
   EXPECT_FALSE(image());
   use_ = Use::kAlways;
   EXPECT_TRUE(becomes_on_gpu());
@@ -176,9 +176,10 @@ TEST_F(GpuThresholdStageTest, WithoutAGpuTheCpuLabelsAndItIsLookedForAgain) {
   gpus_->is_there = false;
   use_ = Use::kWhenFaster;
   start(patient());
-  ASSERT_TRUE(note_becomes(Kind::kNote, "The CPU labels: no GPU: it is not plugged in; next try in"));
+  ASSERT_TRUE(note_becomes(Kind::kNote, "Labelling on the CPU: no GPU: it is not plugged in; next try in"));
   use_ = Use::kAlways;
-  ASSERT_TRUE(note_becomes(Kind::kWarning, "The CPU labels: no GPU: it is not plugged in; next try in"));
+  ASSERT_TRUE(
+      note_becomes(Kind::kWarning, "Labelling on the CPU: no GPU: it is not plugged in; next try in"));
   gpus_->is_there = true;
   EXPECT_TRUE(becomes_on_gpu());
   EXPECT_GT(gpus_->opened, 1);
@@ -189,8 +190,8 @@ TEST_F(GpuThresholdStageTest, AGpuThatIsLostCostsNoImageAndIsOpenedAgain) {
   ASSERT_TRUE(becomes_on_gpu());
   gpus_->fails = gpus_->loses_itself = true;
   ASSERT_TRUE(becomes_missed()) << "the labels of this very image are the CPU's";
-  ASSERT_TRUE(
-      note_becomes(Kind::kWarning, "GPU (Fake 3000) is lost: the GPU was reset; the CPU labels, next try"));
+  ASSERT_TRUE(note_becomes(Kind::kWarning,
+                           "GPU (Fake 3000) is lost: the GPU was reset; labelling on the CPU, next try"));
   gpus_->fails = false;
   EXPECT_TRUE(becomes_on_gpu());
   EXPECT_GT(gpus_->opened, 1);
@@ -208,7 +209,8 @@ TEST_F(GpuThresholdStageTest, ALostGpuThatDoesNotComeBackStaysAWarning) {
   ASSERT_TRUE(becomes_missed());
   use_ = Use::kWhenFaster;
   EXPECT_TRUE(note_becomes(
-      Kind::kWarning, "GPU (Fake 3000) is lost: no GPU: it is not plugged in; the CPU labels, next try in"));
+      Kind::kWarning,
+      "GPU (Fake 3000) is lost: no GPU: it is not plugged in; labelling on the CPU, next try in"));
 }
 
 TEST_F(GpuThresholdStageTest, OneThatGivesNoLabelsIsOpenedAgainToo) {

@@ -88,7 +88,7 @@ TEST(Halls, AFrameIsTheSameWhicheverWereDrawnBefore) {
   EXPECT_EQ(bytes(one), bytes(other));
 }
 
-TEST(Halls, OnlyHardHallsHideBallsAndNoneStandsInTheWayOfThings) {
+TEST(Halls, OnlyHardHallsHideBallsAndObstaclesKeepBallsFree) {
   for (const Kind kind : {Kind::kUsual, Kind::kHard}) {
     HallOptions options;
     options.kind = kind;

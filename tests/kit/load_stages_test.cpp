@@ -69,7 +69,7 @@ class LibraryFolder : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(LibraryFolder, LoadsWhatIsGood) {
+TEST_F(LibraryFolder, LoadsValidLibraries) {
   put("counting.so", bytes_of(library("counting")));
   put("README.txt", "no library");
   const LoadedStages loaded = load({folder_.path()});
@@ -85,27 +85,27 @@ TEST_F(LibraryFolder, LoadsWhatIsGood) {
       << "what a library throws is caught here";
 }
 
-TEST_F(LibraryFolder, HasNoneWhereThereIsNoFolder) {
+TEST_F(LibraryFolder, IsEmptyIfTheFolderIsMissing) {
   const LoadedStages loaded = load({folder_.path() / "nowhere", "/dev/null"});
   EXPECT_THAT(loaded.libraries, IsEmpty());
   EXPECT_THAT(loaded.left_out, IsEmpty());
 }
 
-TEST_F(LibraryFolder, SaysWhatIsNoLibrary) {
+TEST_F(LibraryFolder, ReportsFilesThatAreNotLibraries) {
   put("text.so", "some words");
-  EXPECT_EQ(why(), "is no shared object");
+  EXPECT_EQ(why(), "is not a shared object");
   put("text.so", "");
-  EXPECT_EQ(why(), "is cut off or no shared object");
+  EXPECT_EQ(why(), "is truncated or not a shared object");
   put("text.so", bytes_of(library("counting")).substr(0, 1000));
-  EXPECT_EQ(why(), "is cut off or no shared object");
+  EXPECT_EQ(why(), "is truncated or not a shared object");
   std::filesystem::remove(folder_.path() / "text.so");
   std::filesystem::create_directory(folder_.path() / "folder.so");
-  EXPECT_EQ(why(), "is no regular file");
+  EXPECT_EQ(why(), "is not a regular file");
 }
 
-TEST_F(LibraryFolder, WaitsForNoPipe) {
+TEST_F(LibraryFolder, DoesNotBlockOnAPipe) {
   ASSERT_EQ(::mkfifo((folder_.path() / "pipe.so").c_str(), 0600), 0);
-  EXPECT_EQ(why(), "is no regular file");
+  EXPECT_EQ(why(), "is not a regular file");
 }
 
 TEST_F(LibraryFolder, TakesEachLibraryOnce) {
@@ -128,7 +128,7 @@ TEST_F(LibraryFolder, SaysWhichFolderCannotBeRead) {
   EXPECT_EQ(loaded.left_out[0].why, "cannot be read: Permission denied");
 }
 
-TEST_F(LibraryFolder, KeepsTheDeadlineOfAStageThatUsedToRunApart) {
+TEST_F(LibraryFolder, KeepsTheDeadlineOfAFormerlySandboxedStage) {
   const LoadedStages loaded = load({library("counting").parent_path()});
   ASSERT_THAT(loaded.libraries, SizeIs(1));
   const StageType& counts = loaded.libraries[0].rows.camera[0];
@@ -138,20 +138,19 @@ TEST_F(LibraryFolder, KeepsTheDeadlineOfAStageThatUsedToRunApart) {
   EXPECT_THROW(counts.parse({{"deadline_ms", "soon"}}, ""), SettingsError);
 }
 
-TEST_F(LibraryFolder, RefusesRowsThatSettingsCouldNotLiveWith) {
+TEST_F(LibraryFolder, RefusesStagesWithInvalidParameters) {
   const auto why_of = [](const char* row) {
     ::setenv("SSLV_TEST_ROW", row, 1);
     std::string why = why_not("bad_params");
     ::unsetenv("SSLV_TEST_ROW");
     return why;
   };
-  EXPECT_EQ(
-      why_of("nan_default"),
-      "cannot make its stage 'nan_default': its parameter 'a' has a default or a range that is no finite "
-      "number");
-  EXPECT_EQ(why_of("endless_range"),
-            "cannot make its stage 'endless_range': its parameter 'a' has a default or a range that is no "
+  EXPECT_EQ(why_of("nan_default"),
+            "cannot make its stage 'nan_default': its parameter 'a' has a default or a range that is not a "
             "finite number");
+  EXPECT_EQ(why_of("endless_range"),
+            "cannot make its stage 'endless_range': its parameter 'a' has a default or a range that is "
+            "not a finite number");
   EXPECT_EQ(
       why_of("default_out_of_range"),
       "cannot make its stage 'default_out_of_range': its parameters: /default_out_of_range/a: 2.0 is not "
@@ -159,10 +158,10 @@ TEST_F(LibraryFolder, RefusesRowsThatSettingsCouldNotLiveWith) {
   EXPECT_EQ(why_of("twice"), "cannot make its stage 'twice': two of its parameters are called 'a'");
   EXPECT_EQ(why_of("long_help"), "cannot make its stage 'long_help': its help has more than 500 bytes");
   EXPECT_THAT(why_of("bad_part"),
-              StartsWith("cannot make its stage 'bad_part': its part 'Bad\\u000aName' has a name"));
+              StartsWith("cannot make its stage 'bad_part': its part 'Bad\\u000aName' has an invalid name"));
 }
 
-TEST_F(LibraryFolder, DoesNotWaitForWhatALibraryHasStarted) {
+TEST_F(LibraryFolder, DoesNotWaitForALibrarysChildProcesses) {
   const LoadedStages loaded = load({library("leaves_child").parent_path()});
   EXPECT_THAT(loaded.left_out, IsEmpty());
   EXPECT_THAT(loaded.libraries, SizeIs(1));
@@ -175,7 +174,7 @@ TEST_F(LibraryFolder, SaysWhichProcessorAFileIsFor) {
   EXPECT_THAT(why(), testing::MatchesRegex("is made for (aarch64|x86-64), this program runs on .*"));
   bytes[4] = 1;  // 32 bits
   put("other.so", bytes);
-  EXPECT_THAT(why(), StartsWith("is made for a processor of 32 bits"));
+  EXPECT_THAT(why(), StartsWith("is made for a 32-bit processor"));
 }
 
 TEST_F(LibraryFolder, NeedsAStamp) {
@@ -187,7 +186,7 @@ TEST_F(LibraryFolder, NeedsAStamp) {
 TEST_F(LibraryFolder, NeedsTheKitsVersion) {
   put("old.so", with_stamp(offsetof(StageStamp, kit_version), std::string("\x63\0\0\0", 4)));
   EXPECT_THAT(why(),
-              StartsWith("is built for version 99 of the stage kit, this is version 2: build it again"));
+              StartsWith("is built for version 99 of the stage kit, but this is version 2: rebuild it"));
 }
 
 TEST_F(LibraryFolder, NeedsTheSameCompilersAbi) {
@@ -199,8 +198,8 @@ TEST_F(LibraryFolder, SaysWhenOnlyTheAlignmentDiffers) {
   put("native.so", with_stamp(offsetof(StageStamp, types) + offsetof(StampedType, alignment),
                               std::string("\x40\0\0\0", 4)));
   EXPECT_THAT(why(),
-              StartsWith("has another alignment of FrameInfo (64 bytes) than this program (8 bytes): build "
-                         "it again without options for one processor"));
+              StartsWith("has a different alignment of FrameInfo (64 bytes) than this program (8 bytes): "
+                         "rebuild it without options for one processor"));
 }
 
 TEST_F(LibraryFolder, NeedsTheSameLayoutOfEveryType) {
@@ -208,34 +207,36 @@ TEST_F(LibraryFolder, NeedsTheSameLayoutOfEveryType) {
   for (std::size_t i = 0; i < ours.type_count; ++i) {
     const std::size_t type = offsetof(StageStamp, types) + i * sizeof(StampedType);
     put("old.so", with_stamp(type + offsetof(StampedType, layout), "otherwis"));
-    EXPECT_THAT(why(), StartsWith("has another layout of " + std::string(ours.types[i].name.data()) + " ("));
+    EXPECT_THAT(why(),
+                StartsWith("has a different layout of " + std::string(ours.types[i].name.data()) + " ("));
   }
   // A type that only the library has.
   put("old.so", with_stamp(offsetof(StageStamp, types) + ours.type_count * sizeof(StampedType), "Extra"));
-  EXPECT_THAT(why(), StartsWith("has another layout of Extra (0 bytes)"));
+  EXPECT_THAT(why(), StartsWith("has a different layout of Extra (0 bytes)"));
 }
 
-TEST_F(LibraryFolder, SaysWhatTheLoaderMisses) {
+TEST_F(LibraryFolder, NamesMissingSymbols) {
   EXPECT_THAT(why_not("missing_symbol"), testing::AllOf(StartsWith("cannot be loaded: undefined symbol: "),
                                                         HasSubstr("nobody_has_this")));
 }
 
-TEST_F(LibraryFolder, SurvivesWhatALibraryDoesWhenItIsLoaded) {
+TEST_F(LibraryFolder, SurvivesLibrariesThatFailWhileLoading) {
   EXPECT_THAT(why_not("throws_loading"),
               testing::AnyOf(HasSubstr("no licence"), HasSubstr("crashes while it is loaded (Aborted)")));
   EXPECT_EQ(why_not("crashes_loading"), "crashes while it is loaded (Aborted)");
   EXPECT_EQ(why_not("exits_loading"), "ends the process that loads it");
   EXPECT_EQ(why_not("throws_making"), "cannot make its stage 'throws_making': no camera for it");
-  EXPECT_EQ(why_not("bad_name"), "has a stage 'Bad Name'; a name has 1 to 40 characters of a-z, 0-9 and _");
+  EXPECT_EQ(why_not("bad_name"),
+            "has a stage with the invalid name 'Bad Name'; expected 1 to 40 characters of a-z, 0-9 and _");
 }
 
-TEST_F(LibraryFolder, EndsALibraryThatNeverComesToAnEnd) {
+TEST_F(LibraryFolder, StopsLibrariesThatHangWhileLoading) {
   // The hanging libraries share one time limit, and a correct library still loads.
   for (const char* name : {"a.so", "b.so", "c.so"}) put(name, bytes_of(library("hangs_loading")));
   put("good.so", bytes_of(library("counting")));
   const LoadedStages loaded = load_stages({folder_.path()}, std::chrono::seconds(30));
   ASSERT_THAT(loaded.left_out, SizeIs(3));
-  for (const LeftOutLibrary& one : loaded.left_out) EXPECT_EQ(one.why, "is not loaded within 30 seconds");
+  for (const LeftOutLibrary& one : loaded.left_out) EXPECT_EQ(one.why, "did not load within 30 seconds");
   EXPECT_THAT(loaded.libraries, SizeIs(1));
 }
 

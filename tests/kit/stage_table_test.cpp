@@ -47,13 +47,13 @@ TEST_F(StageTable, TakesStagesThatFitAndLeavesOutTheRest) {
   EXPECT_EQ(field_stage_table().back().name, "count_tracks");
   ASSERT_THAT(left_out_libraries(), SizeIs(4));
   EXPECT_EQ(left_out_libraries()[0].why,
-            "has the part 'ball_count' with another layout than the library before it");
-  EXPECT_EQ(left_out_libraries()[1].why, "has a stage 'threshold', and there is one of that name already");
+            "defines the part 'ball_count' with a different layout than an earlier library");
+  EXPECT_EQ(left_out_libraries()[1].why, "has a stage 'threshold', but another stage already has this name");
   EXPECT_THAT(left_out_libraries()[2].why,
-              testing::StartsWith("has parts of its own with which there are 61; "));
+              testing::StartsWith("brings the total of libraries' own parts to 61; "));
   EXPECT_THAT(left_out_libraries()[3].why,
-              testing::StartsWith("has one place for its part 'second_of_one_place' and for the part "
-                                  "'first_of_one_place': build it with hidden visibility"));
+              testing::StartsWith("stores its part 'second_of_one_place' and the part 'first_of_one_place' "
+                                  "in the same place: build it with hidden visibility"));
 }
 
 TEST_F(StageTable, HandsPartsFromOneLibraryToAnother) {
@@ -93,19 +93,18 @@ TEST_F(StageTable, OffersTheirParametersAsItsOwn) {
   EXPECT_EQ(tree["cameras"][0]["stages"]["count_balls"]["at_least"], 0);
 }
 
-TEST_F(StageTable, LeavesOutAStageThatIsNotThereAndWhatNeedsIt) {
+TEST_F(StageTable, DropsAMissingStageAndItsDependents) {
   const Json settings =
       with_stack({"gone", "find_runs", "find_regions", "publish"}, {{"gone", {{"level", 3}}}});
   const Config config = read_config(settings);
   EXPECT_THAT(config.cameras[0].running.stages, IsEmpty());
   EXPECT_THAT(config.cameras[0].running.missing, ElementsAre("gone"));
   EXPECT_THAT(config.cameras[0].running.idle, ElementsAre("find_runs", "find_regions", "publish"));
-  EXPECT_EQ(
-      missing_text(config.cameras[0].running),
-      "without the stage 'gone', which is not there; 'find_runs', 'find_regions' and 'publish' need what is "
-      "missing and do not run either");
+  EXPECT_EQ(missing_text(config.cameras[0].running),
+            "without the stage 'gone', which is not installed; 'find_runs', 'find_regions' and 'publish' "
+            "depend on a missing stage and do not run either");
   EXPECT_THAT(missing_fix(config.cameras[0].running),
-              HasSubstr("taken_name.so has a stage 'threshold', and there is one"));
+              HasSubstr("taken_name.so has a stage 'threshold', but another stage"));
   const Json tree = complete_settings(settings);
   EXPECT_EQ(tree["cameras"][0]["stack"], settings["cameras"][0]["stack"]) << "no setting is lost";
   EXPECT_EQ(tree["cameras"][0]["stages"]["gone"]["level"], 3);
@@ -116,7 +115,7 @@ TEST_F(StageTable, GoesOnWithTheRestOfAStack) {
       read_config(with_stack({"segment", "detect_robots", "gone", "detect_balls", "publish"}));
   EXPECT_THAT(config.cameras[0].running.stages,
               ElementsAre("segment", "detect_robots", "detect_balls", "publish"));
-  EXPECT_EQ(missing_text(config.cameras[0].running), "without the stage 'gone', which is not there");
+  EXPECT_EQ(missing_text(config.cameras[0].running), "without the stage 'gone', which is not installed");
   EXPECT_THROW(read_config(with_stack({"detect_robots", "gone", "publish"})), SettingsError)
       << "what could never run is no matter of a missing stage";
 }
@@ -129,7 +128,7 @@ TEST_F(StageTable, LeavesOutAStageThatDoesNotKnowItsParameters) {
               ElementsAre("segment", "detect_robots", "detect_balls", "publish"));
   EXPECT_THAT(
       missing_text(config.cameras[0].running),
-      testing::AllOf(HasSubstr("without the stage 'count_balls', whose parameters are of another version"),
+      testing::AllOf(HasSubstr("without the stage 'count_balls', whose parameters are for another version"),
                      HasSubstr("/cameras/0/stages/count_balls/of_another_version")));
   EXPECT_EQ(complete_settings(settings)["cameras"][0]["stages"]["count_balls"]["of_another_version"], 2);
   EXPECT_NO_THROW(refuse_new_missing(config, config));
@@ -140,7 +139,7 @@ TEST_F(StageTable, LeavesOutAStageThatDoesNotKnowItsParameters) {
       << "the service's own stages know theirs";
 }
 
-TEST_F(StageTable, TakesNoNewMissingStageFromTheNetwork) {
+TEST_F(StageTable, RefusesNewMissingStagesOverTheNetwork) {
   const Config without = read_config(with_stack({"segment"})),
                with = read_config(with_stack({"segment", "gone"}));
   EXPECT_NO_THROW(refuse_new_missing(with, with));

@@ -253,7 +253,7 @@ Json stack_with(const std::string& name) {
   return {"segment", "detect_robots", "detect_balls", name, "publish"};
 }
 
-TEST_F(MisbehavingStages, OneThatHangsIsNamedAndSinceWhen) {
+TEST_F(MisbehavingStages, AHangingStageIsReportedWithItsDuration) {
   start({{"stack", stack_with("hang")}});
   EXPECT_EQ(daemon_->hanging(), "");
   EXPECT_EQ(status()["cameras"][0]["hangs"], nullptr);
@@ -276,7 +276,7 @@ TEST_F(MisbehavingStages, OneThatHangsIsNamedAndSinceWhen) {
   while (!daemon_->hanging().empty()) std::this_thread::yield();
 }
 
-TEST_F(MisbehavingStages, OneOfARemovedCameraIsStillNoticedAndKeepsNobodyWaiting) {
+TEST_F(MisbehavingStages, AHangInARemovedCameraIsReportedAndBlocksNobody) {
   start({{"stack", stack_with("hang")}});
   camera_gate.shut();
   wait_for_alert("camera_hangs");
@@ -298,7 +298,7 @@ TEST_F(MisbehavingStages, OneOfARemovedCameraIsStillNoticedAndKeepsNobodyWaiting
   EXPECT_TRUE(test::becomes([&] { return daemon_->hanging().empty(); }));
 }
 
-TEST_F(MisbehavingStages, OneOfTheFieldThatHangsEndsNoService) {
+TEST_F(MisbehavingStages, AHangingFieldStageDoesNotStopTheService) {
   start(Json::object(), {{"stack", {"gather", "hang", "clocks", "agreement", "track", "publish"}}});
   field_gate.shut();
   const Json now = wait_for_alert("field_hangs");
@@ -311,13 +311,13 @@ TEST_F(MisbehavingStages, OneOfTheFieldThatHangsEndsNoService) {
   while (!status()["tracks"]["hangs"].is_null()) std::this_thread::yield();
 }
 
-TEST_F(MisbehavingStages, OneThatIsSlowIsNamedAndNotTheComputer) {
+TEST_F(MisbehavingStages, ASlowStageIsBlamedInsteadOfTheComputer) {
   // Much slower than anything else, even on a busy computer.
   start({{"stack", stack_with("be_slow")}, {"stages", {{"be_slow", {{"ms", 1000}}}}}});
   // Until rates are measured well, the title may contain the duration for one image instead.
   const Json now = wait_for_alert("stage_slow", "Camera 4: the stage 'be_slow' takes ");
   const std::string title = alert_of(now, "stage_slow")->at("title");
-  EXPECT_THAT(title, HasSubstr(" ms an image; images come every "));
+  EXPECT_THAT(title, HasSubstr(" ms an image; images arrive every "));
   EXPECT_FALSE(alert_of(now, "camera_slow")) << title;
   const auto fix = [this] {
     return alert_of(wait_for_alert("frames_dropped"), "frames_dropped")->at("fix").get<std::string>();
@@ -325,7 +325,7 @@ TEST_F(MisbehavingStages, OneThatIsSlowIsNamedAndNotTheComputer) {
   while (!fix().starts_with("The stage 'be_slow' takes ")) pause();
 }
 
-TEST_F(MisbehavingStages, OneOfTheFieldThatIsSlowIsNamed) {
+TEST_F(MisbehavingStages, ASlowFieldStageIsNamed) {
   start(Json::object(), {{"stack", {"gather", "be_slow", "clocks", "agreement", "track", "publish"}},
                          {"stages", {{"be_slow", {{"ms", 500}}}}}});
   const Json now = wait_for_alert("stage_slow", "Field: the stage 'be_slow' (april_tags.so) takes ");
@@ -334,7 +334,7 @@ TEST_F(MisbehavingStages, OneOfTheFieldThatIsSlowIsNamed) {
   EXPECT_EQ(stage_of(now["tracks"]["stages"], "be_slow")["library"], "april_tags.so");
 }
 
-TEST_F(MisbehavingStages, WhatMakesNoSenseReachesNobodyAndItsMakerIsNamed) {
+TEST_F(MisbehavingStages, InvalidOutputIsDroppedAndItsStageNamed) {
   start({{"stack", stack_with("add_nowhere")}},
         {{"stack", {"gather", "clocks", "agreement", "track", "track_nowhere", "publish"}}});
   const Heard<SSL_WrapperPacket, decltype(&nowhere_in)> detections(port_, &nowhere_in);
@@ -354,10 +354,10 @@ TEST_F(MisbehavingStages, WhatMakesNoSenseReachesNobodyAndItsMakerIsNamed) {
     both = status();
   }
   EXPECT_THAT(titles, testing::Contains(testing::ContainsRegex(
-                          "^Camera 4: the stage 'add_nowhere' \\(april_tags.so\\) made [0-9]+ robots?, "
-                          "[0-9]+ balls? without sense in the last 10 s; they were left out$")));
+                          "^Camera 4: the stage 'add_nowhere' \\(april_tags.so\\) gave invalid results: "
+                          "[0-9]+ robots?, [0-9]+ balls? dropped in the last 10 s$")));
   EXPECT_THAT(titles, testing::Contains(testing::ContainsRegex(
-                          "^Field: the stage 'track_nowhere' made [0-9]+ robots? without sense")));
+                          "^Field: the stage 'track_nowhere' gave invalid results: [0-9]+ robots? dropped")));
   const std::string metrics = ask("/metrics");
   EXPECT_THAT(metrics, HasSubstr("sslv_senseless_total{camera=\"4\",stage=\"add_nowhere\",what=\"robot\"}"));
   EXPECT_THAT(metrics,
@@ -367,7 +367,7 @@ TEST_F(MisbehavingStages, WhatMakesNoSenseReachesNobodyAndItsMakerIsNamed) {
   for (const Json& robot : field.at("robots")) EXPECT_TRUE(robot.at("x").is_number()) << robot;
 }
 
-TEST_F(MisbehavingStages, WhatOneSaysIsShownAndAWarningIsAnAlert) {
+TEST_F(MisbehavingStages, NotesAreShown) {
   start({{"stack", stack_with("say")}, {"stages", {{"say", {{"text", "12 tags are known"}}}}}});
   Json said;
   while ((said = stage_of(status()["cameras"][0]["stages"], "say")["note"]).is_null())

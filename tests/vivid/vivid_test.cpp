@@ -131,9 +131,10 @@ TEST(Vivid, BothAreListed) {
     EXPECT_THAT(found.formats, Contains("yuyv"));
   }
   EXPECT_THAT(cameras, testing::ElementsAre(kFirst, kSecond));
-  EXPECT_EQ(refusal({{"camera", "vivid-7"}}),
-            "camera \"vivid-7\": not found; there are \"platform:vivid-000\" (vivid), \"platform:vivid-001\" "
-            "(vivid)");
+  EXPECT_EQ(
+      refusal({{"camera", "vivid-7"}}),
+      "camera \"vivid-7\": not found; available: \"platform:vivid-000\" (vivid), \"platform:vivid-001\" "
+      "(vivid)");
 }
 
 TEST(Vivid, BothDeliverAtOnce) {
@@ -147,8 +148,8 @@ TEST(Vivid, BothDeliverAtOnce) {
 TEST(Vivid, NamesWhatItDoesNotTake) {
   EXPECT_THAT(
       refusal({{"width", 650}}),
-      HasSubstr("width x height 650x480 refused: the camera made it 640x480; it has 320x180, 640x360, "));
-  EXPECT_THAT(refusal({{"frame_rate_hz", 7}}), HasSubstr("frame_rate_hz 7 refused: the camera made it "));
+      HasSubstr("width x height 650x480 refused: the camera set 640x480 instead; it has 320x180, 640x360, "));
+  EXPECT_THAT(refusal({{"frame_rate_hz", 7}}), HasSubstr("frame_rate_hz 7 refused: the camera set "));
   EXPECT_THAT(refusal({{"pixel_format", "mjpeg"}}),
               HasSubstr("pixel_format mjpeg refused: the camera has uyvy, "));
   const auto source = open();
@@ -212,7 +213,7 @@ TEST(Vivid, ADamagedBufferIsIncomplete) {
   source->controls()->set("inject_v4l2_buf_flag_error", nullptr);
   std::string problem;
   EXPECT_EQ(first_other_than_a_picture(*source, problem), CaptureStatus::kIncomplete);
-  EXPECT_EQ(problem, "the driver says that it is damaged");
+  EXPECT_EQ(problem, "the driver reports it as damaged");
   expect_color_bars(next_picture(*source).image.view());
 }
 
@@ -231,7 +232,7 @@ TEST(Vivid, AFatalErrorIsALoss) {
   source->controls()->set("inject_fatal_streaming_error", nullptr);
   std::string problem;
   EXPECT_EQ(first_other_than_a_picture(*source, problem), CaptureStatus::kLost);
-  EXPECT_EQ(problem, "camera \"platform:vivid-000\": it delivers no more: Input/output error");
+  EXPECT_EQ(problem, "camera \"platform:vivid-000\": it delivers no more images: Input/output error");
   source.reset();
   source = open();
   expect_color_bars(next_picture(*source).image.view());
@@ -244,7 +245,7 @@ TEST(Vivid, ADisconnectedCameraIsLost) {
   controls->set("disconnect", nullptr);
   std::string problem;
   EXPECT_EQ(first_other_than_a_picture(*source, problem), CaptureStatus::kLost);
-  EXPECT_EQ(problem, "camera \"platform:vivid-000\": it is no longer there");
+  EXPECT_EQ(problem, "camera \"platform:vivid-000\": it is no longer connected");
   EXPECT_THROW(controls->list(), CaptureError);
   source.reset();
   source = open();

@@ -316,8 +316,8 @@ class AravisSource final : public Source {
     if (failure.failed())
       throw CaptureError(fmt::format("camera \"{}\": no packet size: {}", label_, failure.text()));
     if (packet_bytes <= kGvspHeaderBytes) {
-      throw CaptureError(fmt::format("camera \"{}\": its packet size is {} bytes, which headers fill", label_,
-                                     packet_bytes));
+      throw CaptureError(fmt::format("camera \"{}\": its packet size of {} bytes leaves no space for data",
+                                     label_, packet_bytes));
     }
     ArvGvDevice* device = ARV_GV_DEVICE(arv_camera_get_device(camera()));
     return {number_of(arv_gv_device_get_device_address(device)),
@@ -339,8 +339,8 @@ class AravisSource final : public Source {
     } while (guarded < wanted && Clock::now() < give_up);
     if (guarded >= wanted) return;
     log::warning(
-        "camera \"{}\": only {} of its {} sockets filter their packets, so a packet that somebody forges "
-        "in its name can end the service",
+        "camera \"{}\": only {} of its {} sockets filter their packets, so a forged packet could crash the "
+        "service",
         label_, guarded, wanted);
   }
 

@@ -313,7 +313,7 @@ class AravisControls final : public Controls {
     std::optional<Selected> selected;
     if (place.selector != nullptr) selected.emplace(place.selector, place.choice);
     if (!control.writable)
-      throw SettingsError(fmt::format("{}: cannot be set now: the camera only shows it", control.name));
+      throw SettingsError(fmt::format("{}: cannot be set now: it is read-only", control.name));
     Failure failure;
     switch (control.kind) {
       case ControlKind::kAction: arv_gc_command_execute(ARV_GC_COMMAND(node), failure); break;

@@ -57,7 +57,7 @@ AravisHandle resolve_aravis_camera(const std::string& camera) {
     found += fmt::format("{}\"{}\" ({})", found.empty() ? "" : ", ", device.serial, device.id);
   }
   if (found.empty()) throw CaptureError(fmt::format("camera \"{}\": no camera answers", camera));
-  throw CaptureError(fmt::format("camera \"{}\": not found; there are {}", camera, found));
+  throw CaptureError(fmt::format("camera \"{}\": not found; available: {}", camera, found));
 }
 
 void check_aravis_serial(ArvCamera* camera, const AravisHandle& handle) {
@@ -69,7 +69,7 @@ void check_aravis_serial(ArvCamera* camera, const AravisHandle& handle) {
                          failure);
   failure.require_answer(handle.serial);
   if (!failure.failed() && handle.serial != serial.data()) {
-    throw CaptureError(fmt::format("camera \"{}\": another one has its address now", handle.serial));
+    throw CaptureError(fmt::format("camera \"{}\": another camera has its address now", handle.serial));
   }
 }
 

@@ -13,10 +13,10 @@ namespace {
 
 std::string_view text_of(ArvBufferStatus status) {
   switch (status) {
-    case ARV_BUFFER_STATUS_TIMEOUT: return "its last packets did not come";
+    case ARV_BUFFER_STATUS_TIMEOUT: return "its last packets did not arrive";
     case ARV_BUFFER_STATUS_MISSING_PACKETS: return "packets are missing";
     case ARV_BUFFER_STATUS_WRONG_PACKET_ID: return "a packet has a wrong number";
-    case ARV_BUFFER_STATUS_SIZE_MISMATCH: return "more bytes came than announced";
+    case ARV_BUFFER_STATUS_SIZE_MISMATCH: return "more bytes arrived than announced";
     case ARV_BUFFER_STATUS_FILLING: return "it was still being filled";
     case ARV_BUFFER_STATUS_ABORTED: return "it was aborted";
     default: return "it was not filled";
@@ -84,8 +84,8 @@ SentPicture sound_picture(const ClaimedPicture& claimed, const std::uint8_t* beg
   const std::size_t needed = bytes_of(*format, sent), there = std::min(claimed.came, claimed.allocated);
   const std::size_t size = claimed.offset < there ? std::min(claimed.bytes, there - claimed.offset) : 0;
   if (size < needed) {
-    problem = fmt::format("{} bytes came; {}x{} of format 0x{:08x} needs {}", size, sent.width, sent.height,
-                          format->arv, needed);
+    problem = fmt::format("{} bytes arrived; {}x{} of format 0x{:08x} needs {}", size, sent.width,
+                          sent.height, format->arv, needed);
     return {};
   }
   sent.data = begin + claimed.offset;
@@ -120,13 +120,13 @@ SentPicture AravisBufferReader::picture_in(ArvBuffer* buffer, std::string& probl
   const int payload = arv_buffer_get_payload_type(buffer);
   if (payload != ARV_BUFFER_PAYLOAD_TYPE_IMAGE && payload != ARV_BUFFER_PAYLOAD_TYPE_EXTENDED_CHUNK_DATA &&
       payload != ARV_BUFFER_PAYLOAD_TYPE_MULTIPART) {
-    problem = fmt::format("it holds no image but payload type {}", payload);
+    problem = fmt::format("it has payload type {}, not an image", payload);
     return {};
   }
   // In a multipart buffer the image is the first part.
   if (arv_buffer_get_n_parts(buffer) == 0 ||
       arv_buffer_get_part_data_type(buffer, 0) != ARV_BUFFER_PART_DATA_TYPE_2D_IMAGE) {
-    problem = "its first part is no image";
+    problem = "its first part is not an image";
     return {};
   }
   ClaimedPicture claimed;

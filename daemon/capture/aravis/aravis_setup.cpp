@@ -30,7 +30,7 @@ class Setup {
     check(failure, key, value);
     const gint64 now = arv_camera_get_integer(camera_, feature, failure);
     check(failure, key, value);
-    if (now != value) refuse(key, value, fmt::format("the camera made it {}", now));
+    if (now != value) refuse(key, value, fmt::format("the camera set {} instead", now));
   }
 
   using IsAvailable = gboolean (*)(ArvCamera*, GError**);
@@ -74,7 +74,7 @@ class Setup {
     if (ours == nullptr)
       refuse("pixel_format", "auto", fmt::format("the camera is set to 0x{:08x}; it has {}", now, formats()));
     if (wanted && now != arv_format_of(*wanted)) {
-      refuse("pixel_format", name_of(*wanted), fmt::format("the camera made it 0x{:08x}", now));
+      refuse("pixel_format", name_of(*wanted), fmt::format("the camera set 0x{:08x} instead", now));
     }
   }
 
@@ -90,7 +90,7 @@ class Setup {
   }
   template <class V, class Limit>
   [[noreturn]] void out_of_range(const char* key, V value, Limit min, Limit max) const {
-    refuse(key, value, fmt::format("the camera takes {} .. {}", min, max));
+    refuse(key, value, fmt::format("the camera allows {} .. {}", min, max));
   }
   [[noreturn]] void missing(const char* key, const char* feature) const {
     throw CaptureError(
@@ -121,9 +121,8 @@ void warn_of_small_socket_buffer(const std::string& label, int wanted_bytes) {
   std::ifstream file("/proc/sys/net/core/rmem_max");
   if (int allowed_bytes = 0; file >> allowed_bytes && allowed_bytes < wanted_bytes) {
     log::warning(
-        "camera \"{}\": images may get lost: net.core.rmem_max is {}, socket_buffer_bytes {}; raise the "
-        "first or "
-        "give the service CAP_NET_RAW",
+        "camera \"{}\": images may get lost: net.core.rmem_max is {}, but socket_buffer_bytes is {}; raise "
+        "net.core.rmem_max or give the service CAP_NET_RAW",
         label, allowed_bytes, wanted_bytes);
   }
 }

@@ -42,7 +42,7 @@ void reset_bus_once(const Handle& handle, const std::string& label) {
   if (std::find(done.begin(), done.end(), handle.camera->guid) != done.end()) return;
   done.push_back(handle.camera->guid);
   check(dc1394_reset_bus(handle.camera.get()), label, "the bus cannot be reset");
-  throw CaptureError(fmt::format("camera \"{}\": the bus was reset; it is opened again", label));
+  throw CaptureError(fmt::format("camera \"{}\": the bus was reset; the camera is reopened", label));
 }
 
 class Dc1394Source final : public Source {
@@ -97,7 +97,7 @@ class Dc1394Source final : public Source {
       if (left.count() <= 0) return nothing_came(problem);
       pollfd ready{ring_->fd(), POLLIN, 0};
       if (::poll(&ready, 1, static_cast<int>(left.count())) < 0 && errno != EINTR)
-        return mark_lost(problem, "it cannot be waited for");
+        return mark_lost(problem, "waiting for its images failed");
     }
   }
 
@@ -125,7 +125,7 @@ class Dc1394Source final : public Source {
     }
     problem = fmt::format("camera \"{}\": no image for {:g} s, although it answers ({}){}", label_,
                           silence_s_, video_.summary,
-                          sends == DC1394_ON ? "; do card, cables and hubs take this iso_speed?"
+                          sends == DC1394_ON ? "; do card, cables and hubs support this iso_speed?"
                                              : "; it has stopped sending, as after a bus reset");
     return CaptureStatus::kLost;
   }
@@ -135,10 +135,10 @@ class Dc1394Source final : public Source {
     count_dropped(frame, taken.queued_at_s);
     const ImageView& layout = video_.layout;
     if (ring_->is_corrupt(&frame)) {
-      problem = "packets of it are missing";
+      problem = "packets are missing";
     } else if (frame.color_coding != video_.coding || std::cmp_not_equal(frame.size[0], layout.width) ||
                std::cmp_not_equal(frame.size[1], layout.height) || frame.image_bytes > frame.total_bytes) {
-      problem = fmt::format("it has {}x{} pixels, where {}x{} were set", frame.size[0], frame.size[1],
+      problem = fmt::format("it has {}x{} pixels instead of {}x{}", frame.size[0], frame.size[1],
                             layout.width, layout.height);
     } else {
       image.times = times_of(frame);

@@ -64,7 +64,7 @@ Handle open_camera(const std::string& guid) {
   if (std::find(found.begin(), found.end(), wanted) == found.end()) {
     std::string there;
     for (const std::uint64_t one : found) there += (there.empty() ? "" : ", ") + text_of(one);
-    throw CaptureError(fmt::format("camera \"{}\": not found; there are {}", guid, there));
+    throw CaptureError(fmt::format("camera \"{}\": not found; available: {}", guid, there));
   }
   handle.camera.reset(dc1394_camera_new(handle.context.get(), wanted));
   if (!handle.camera) throw CaptureError(fmt::format("camera \"{}\": does not answer", text_of(wanted)));

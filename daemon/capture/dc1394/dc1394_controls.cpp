@@ -24,11 +24,11 @@ struct FeatureRow {
 constexpr ControlLevel kBeginner = ControlLevel::kBeginner, kExpert = ControlLevel::kExpert;
 
 constexpr std::array kFeatures{
-    FeatureRow{DC1394_FEATURE_SHUTTER, "shutter", "Shutter", "Light", "s", kBeginner, "how long is exposed"},
+    FeatureRow{DC1394_FEATURE_SHUTTER, "shutter", "Shutter", "Light", "s", kBeginner, "exposure time"},
     FeatureRow{DC1394_FEATURE_GAIN, "gain", "Gain", "Light", "dB", kBeginner, ""},
     FeatureRow{DC1394_FEATURE_IRIS, "iris", "Iris", "Light", "F", kBeginner, ""},
     FeatureRow{DC1394_FEATURE_EXPOSURE, "exposure", "Automatic exposure", "Light", "EV", kBeginner,
-               "how bright the automatics of shutter, gain and iris make the image"},
+               "target brightness of automatic shutter, gain and iris"},
     FeatureRow{DC1394_FEATURE_BRIGHTNESS, "brightness", "Brightness", "Light", "%", kBeginner,
                "the black level"},
     FeatureRow{DC1394_FEATURE_GAMMA, "gamma", "Gamma", "Light", "", kExpert, ""},
@@ -46,7 +46,7 @@ constexpr std::array kFeatures{
     FeatureRow{DC1394_FEATURE_TRIGGER_DELAY, "trigger_delay", "Trigger delay", "Timing", "s", kExpert, ""},
     FeatureRow{DC1394_FEATURE_TRIGGER, "trigger", "Trigger", "Timing", "", kExpert, ""},
     FeatureRow{DC1394_FEATURE_TEMPERATURE, "temperature", "Temperature", "Image", "", kExpert,
-               "that the sensor is to have"},
+               "desired for the sensor"},
     FeatureRow{DC1394_FEATURE_CAPTURE_SIZE, "capture_size", "Capture size", "Image", "", kExpert, ""},
     FeatureRow{DC1394_FEATURE_CAPTURE_QUALITY, "capture_quality", "Capture quality", "Image", "", kExpert,
                ""},
@@ -208,7 +208,7 @@ class IidcControls final : public Controls {
         must(dc1394_feature_temperature_get_value(camera(), &a, &b), row.name);
         value("", a);
         Control& now = value("_now", b);
-        now.help = "only measured";
+        now.help = "measured, read-only";
         now.writable = false;
         return;
       }
@@ -257,10 +257,10 @@ class IidcControls final : public Controls {
     };
     const int most = camera()->max_mem_channel;
     if (most <= 0) return;
-    action(kLoad, 0, "the maker's settings; reopens the camera");
+    action(kLoad, 0, "the factory settings; reopens the camera");
     for (int channel = 1; channel <= most; ++channel) {
       action(kLoad, channel, "reopens the camera");
-      action(kSave, channel, "wears the camera's memory a little");
+      action(kSave, channel, "wears out the camera's memory slightly");
     }
   }
 

@@ -38,33 +38,34 @@ struct Options {
   static constexpr auto fields() {
     using O = Options;
     return std::tuple{
-        text("camera", &O::camera,
-             "the camera's GUID, 16 hexadecimal digits; empty: the first that is found"),
+        text("camera", &O::camera, "the camera's GUID, 16 hexadecimal digits; empty: the first camera found"),
         choice("mode", &O::mode, auto_or(kModes),
-               "auto: the first Format7 mode, else the largest image there is"),
-        choice("pixel_format", &O::pixel_format, auto_or(kCodings), "auto: the best that the mode has"),
+               "auto: the first Format7 mode, else the mode with the largest image"),
+        choice("pixel_format", &O::pixel_format, auto_or(kCodings), "auto: the best format of the mode"),
         choice("bayer_order", &O::bayer_order, auto_or(kBayerOrders),
-               "of the colours in raw images, and in mono ones of cameras that call raw images so; auto: "
-               "what the camera says"),
-        number("width", &O::width, 0, 16384, "px",
-               "of the part of the sensor that is read, Format7 only; 0: all that is right of the offset"),
+               "order of the colours in raw images, also in those that the camera calls mono; auto: as the "
+               "camera reports it"),
+        number(
+            "width", &O::width, 0, 16384, "px",
+            "width of the part of the sensor that is read, Format7 only; 0: everything right of the offset"),
         number("height", &O::height, 0, 16384, "px",
-               "of the part of the sensor that is read, Format7 only; 0: all that is below the offset"),
+               "height of the part of the sensor that is read, Format7 only; 0: everything below the offset"),
         number("offset_x", &O::offset_x, 0, 16384, "px", "left edge of that part"),
         number("offset_y", &O::offset_y, 0, 16384, "px", "upper edge of that part"),
         number("packet_size_bytes", &O::packet_size_bytes, 0, 65535, "bytes",
-               "of Format7: the share of the bus, and so the images a second; 0: what the camera recommends"),
+               "Format7 only: sets the share of the bus, and so the images per second; 0: as the camera "
+               "recommends"),
         number("frame_rate_hz", &O::frame_rate_hz, 0.1, 1000.0, "Hz",
-               "null: the fastest of the mode; of Format7: what packet_size_bytes gives"),
+               "null: the fastest rate of the mode; with Format7, the rate that packet_size_bytes gives"),
         choice("iso_speed", &O::iso_speed, auto_or(kSpeeds),
-               "Mbit/s; auto: 800 if the camera can, else 400. Cables and card must be able to do it too"),
-        number("ring_frames", &O::ring_frames, 3, 100, "", "images that the card may fill ahead"),
+               "Mbit/s; auto: 800 if the camera supports it, else 400. Cables and card must support it too"),
+        number("ring_frames", &O::ring_frames, 3, 100, "",
+               "number of image buffers that the card fills in advance"),
         number("silence_s", &O::silence_s, 0.1, 3600.0, "s",
                "a camera that sends nothing for this long, without waiting for a trigger, counts as lost"),
-        flag(
-            "reset_bus", &O::reset_bus,
-            "reset the bus when the camera is opened first, which frees what a crashed program has reserved; "
-            "disturbs all other cameras on it"),
+        flag("reset_bus", &O::reset_bus,
+             "reset the bus when the camera is first opened: this frees what a crashed program has reserved, "
+             "but disturbs all other cameras on the bus"),
         object("controls", &O::controls,
                "the camera's own settings, such as \"shutter\" or \"gain_mode\", set when it is opened"),
     };

@@ -62,12 +62,11 @@ void Ring::set_up(std::uint32_t frames, const std::string& label) {
     error = dc1394_capture_setup(camera, frames, DC1394_CAPTURE_FLAGS_CHANNEL_ALLOC);
   if (is_out_of_bandwidth(error)) {
     throw CaptureError(fmt::format(
-        "camera \"{}\": the bus has not enough bandwidth left for it; take a smaller part of the sensor, "
-        "fewer "
-        "images a second (packet_size_bytes for Format7), a higher iso_speed, or a card of its own",
+        "camera \"{}\": the bus has not enough bandwidth left for it; use a smaller part of the sensor, "
+        "fewer images per second (packet_size_bytes for Format7), a higher iso_speed, or a separate card",
         label));
   }
-  check(error, label, fmt::format("memory for {} images cannot be set up", frames));
+  check(error, label, fmt::format("memory for {} images cannot be allocated", frames));
 }
 
 Ring::~Ring() {

@@ -53,7 +53,8 @@ class Setup {
     Video video = is_format7(mode_) ? set_format7() : set_native();
     dc1394video_mode_t now{};
     must(dc1394_video_get_mode(camera_, &now), "mode", mode_name());
-    if (now != mode_) refuse("mode", mode_name(), fmt::format("the camera made it {}", name_in(kModes, now)));
+    if (now != mode_)
+      refuse("mode", mode_name(), fmt::format("the camera set {} instead", name_in(kModes, now)));
     finish(video);
     return video;
   }
@@ -76,7 +77,7 @@ class Setup {
     const bool fast = camera_->bmode_capable == DC1394_TRUE;
     speed_ = options_.iso_speed.value_or(fast ? DC1394_ISO_SPEED_800 : DC1394_ISO_SPEED_400);
     if (speed_ > DC1394_ISO_SPEED_400 && !fast)
-      refuse("iso_speed", speed_name(), "the camera takes 100, 200, 400; it has no 1394b");
+      refuse("iso_speed", speed_name(), "the camera allows 100, 200, 400; it has no 1394b");
     if (fast) {
       const bool needs_b = speed_ > DC1394_ISO_SPEED_400;
       must(dc1394_video_set_operation_mode(
@@ -190,8 +191,8 @@ class Setup {
       chosen = all.framerates[i];
       chosen_hz = rate_hz;
     }
-    const std::string allowed =
-        fmt::format("{} at iso_speed {} takes {}", mode_name(), speed_name(), there.empty() ? "none" : there);
+    const std::string allowed = fmt::format("{} at iso_speed {} allows {}", mode_name(), speed_name(),
+                                            there.empty() ? "none" : there);
     if (!chosen) {
       if (options_.frame_rate_hz) refuse("frame_rate_hz", *options_.frame_rate_hz, allowed);
       refuse("mode", mode_name(), allowed + " of the frame rates");
@@ -220,12 +221,12 @@ class Setup {
     if (size % unit != 0 || size < unit || size > most) {
       refuse(
           side.size > 0 ? side.size_key : side.offset_key, side.size > 0 ? side.size : side.offset,
-          fmt::format("{} takes {} .. {} in steps of {}", mode_name(), side.size > 0 ? unit : 0,
+          fmt::format("{} allows {} .. {} in steps of {}", mode_name(), side.size > 0 ? unit : 0,
                       side.size > 0 ? most / unit * unit : most - unit, side.size > 0 ? unit : offset_unit));
     }
     if (side.offset % offset_unit != 0 || side.offset + size > most) {
       refuse(side.offset_key, side.offset,
-             fmt::format("{} of {} {} takes 0 .. {} in steps of {}", mode_name(), side.size_key, size,
+             fmt::format("{} of {} {} allows 0 .. {} in steps of {}", mode_name(), side.size_key, size,
                          (most - size) / offset_unit * offset_unit, offset_unit));
     }
     return size;
@@ -251,7 +252,7 @@ class Setup {
     must(dc1394_format7_get_image_size(camera_, mode_, &width, &height), "mode", mode_name());
     if (std::cmp_not_equal(width, video.layout.width) || std::cmp_not_equal(height, video.layout.height)) {
       refuse("width and height", fmt::format("{}x{}", video.layout.width, video.layout.height),
-             fmt::format("the camera made it {}x{}", width, height));
+             fmt::format("the camera set {}x{} instead", width, height));
     }
     set_packet_size();
     set_format7_rate();
@@ -279,13 +280,13 @@ class Setup {
                             : std::min(now, most);
     if (wanted % unit != 0 || wanted < unit || wanted > most) {
       refuse("packet_size_bytes", wanted,
-             fmt::format("{} at iso_speed {} takes {} .. {} in steps of {}", mode_name(), speed_name(), unit,
+             fmt::format("{} at iso_speed {} allows {} .. {} in steps of {}", mode_name(), speed_name(), unit,
                          most, unit));
     }
     if (wanted == now) return;
     must(dc1394_format7_set_packet_size(camera_, mode_, wanted), "packet_size_bytes", wanted);
     must(dc1394_format7_get_packet_size(camera_, mode_, &now), "packet_size_bytes", wanted);
-    if (now != wanted) refuse("packet_size_bytes", wanted, fmt::format("the camera made it {}", now));
+    if (now != wanted) refuse("packet_size_bytes", wanted, fmt::format("the camera set {} instead", now));
   }
 
   void set_format7_rate() {
@@ -296,7 +297,7 @@ class Setup {
     dc1394_feature_is_present(camera_, kRate, &is_there);
     if (is_there == DC1394_TRUE) dc1394_feature_has_absolute_control(camera_, kRate, &is_absolute);
     if (is_absolute != DC1394_TRUE)
-      refuse("frame_rate_hz", wanted, "this camera sets it by packet_size_bytes in Format7");
+      refuse("frame_rate_hz", wanted, "in Format7, packet_size_bytes sets it on this camera");
     dc1394_feature_is_switchable(camera_, kRate, &is_switch);
     if (is_switch == DC1394_TRUE)
       must(dc1394_feature_set_power(camera_, kRate, DC1394_ON), "frame_rate_hz", wanted);
@@ -304,7 +305,7 @@ class Setup {
     float least = 0, most = 0;
     must(dc1394_feature_get_absolute_boundaries(camera_, kRate, &least, &most), "frame_rate_hz", wanted);
     if (wanted < least || wanted > most)
-      refuse("frame_rate_hz", wanted, fmt::format("the camera takes {:g} .. {:g} now", least, most));
+      refuse("frame_rate_hz", wanted, fmt::format("the camera allows {:g} .. {:g} now", least, most));
     must(dc1394_feature_set_absolute_control(camera_, kRate, DC1394_ON), "frame_rate_hz", wanted);
     must(dc1394_feature_set_absolute_value(camera_, kRate, static_cast<float>(wanted)), "frame_rate_hz",
          wanted);
@@ -319,7 +320,7 @@ class Setup {
     layout.stride_bytes = std::ptrdiff_t{layout.width} * bytes_per_pixel(layout.format);
     if (!is_valid_size(layout.format, layout.width, layout.height)) {
       refuse("width and height", fmt::format("{}x{}", layout.width, layout.height),
-             fmt::format("{} needs even ones", name_of(layout.format)));
+             fmt::format("{} needs even values", name_of(layout.format)));
     }
     if (coding_ == DC1394_COLOR_CODING_MONO16 || coding_ == DC1394_COLOR_CODING_RAW16)
       layout.to_low_bits = layout.stride_bytes * layout.height;
@@ -341,7 +342,7 @@ class Setup {
       case DC1394_COLOR_CODING_RAW16: {
         const auto order = bayer_order(mode_);
         if (!order)
-          refuse("bayer_order", "auto", "the camera does not say it; it is one of rggb, gbrg, grbg, bggr");
+          refuse("bayer_order", "auto", "the camera does not report it; set one of rggb, gbrg, grbg, bggr");
         return bayer_format(*order);
       }
       default: return PixelFormat::kUyvy;

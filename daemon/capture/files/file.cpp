@@ -50,20 +50,20 @@ struct FileOptions {
              "their "
              "names; or one such file; or a video; or a clip (.clip)"),
         choice("pixel_format", &O::pixel_format, kPixelFormatOrAutoChoices,
-               "how the bytes of raw frames lie; images, videos and clips know it themselves (auto), and a "
-               "frames.json beside raw frames may tell it"),
+               "pixel format of raw frames; images, videos and clips state their own (auto), and so may a "
+               "frames.json beside raw frames"),
         number("width", &O::width, 0, 16384, "px",
-               "of raw frames; 0: there are none, or frames.json tells it"),
+               "width of raw frames; 0: no raw frames, or frames.json states it"),
         number("height", &O::height, 0, 16384, "px",
-               "of raw frames; 0: there are none, or frames.json tells it"),
-        number("camera_id", &O::camera_id, 0, 255, "", "id of the camera of a clip; null: the first in it"),
-        number(
-            "frame_rate_hz", &O::frame_rate_hz, 0.0, 10000.0, "Hz",
-            "images a second; 0: as fast as they are taken; null: a video's own rate, the times of a clip, "
-            "30 for the rest"),
-        flag("loop", &O::loop, "begin again at the end"),
+               "height of raw frames; 0: no raw frames, or frames.json states it"),
+        number("camera_id", &O::camera_id, 0, 255, "",
+               "id of the camera in a clip; null: the first camera in it"),
+        number("frame_rate_hz", &O::frame_rate_hz, 0.0, 10000.0, "Hz",
+               "images per second; 0: as fast as they are processed; null: a video's own rate, the times of "
+               "a clip, otherwise 30"),
+        flag("loop", &O::loop, "start again at the end"),
         object("controls", &O::controls,
-               "how it is played, such as {\"paused\": true, \"position\": 100}; changed while it runs"),
+               "playback, such as {\"paused\": true, \"position\": 100}; changed while it runs"),
     };
   }
 };
@@ -159,9 +159,9 @@ FileOptions with_told_layout(FileOptions options, const std::vector<Item>& items
                                    excess.what()));
   }
   if (!are_alike) {
-    throw CaptureError(fmt::format(
-        "{}: its frames have several formats or sizes; put those of each into a folder of their own",
-        file.string()));
+    throw CaptureError(
+        fmt::format("{}: its frames have different formats or sizes; put each kind into a folder of its own",
+                    file.string()));
   }
   if (options.pixel_format && is_valid_size(*options.pixel_format, options.width, options.height))
     return options;
@@ -195,12 +195,11 @@ class StillRecording final : public Recording {
         std::any_of(items_.begin(), items_.end(), [](const Item& i) { return i.kind == Kind::kRaw; });
     if (raw &&
         !(options_.pixel_format && is_valid_size(*options_.pixel_format, options_.width, options_.height))) {
-      throw CaptureError(
-          fmt::format("path \"{}\": raw frames need pixel_format (not auto), width and height (2 .. 16384; "
-                      "even for YUV and "
-                      "Bayer formats); they are {}, {} and {}, and no frames.json tells them",
-                      options_.path, options_.pixel_format ? name_of(*options_.pixel_format) : "auto",
-                      options_.width, options_.height));
+      throw CaptureError(fmt::format(
+          "path \"{}\": raw frames need pixel_format (not auto), width and height (2 .. 16384; even for YUV "
+          "and Bayer formats); they are {}, {} and {}, and no frames.json states them",
+          options_.path, options_.pixel_format ? name_of(*options_.pixel_format) : "auto", options_.width,
+          options_.height));
     }
   }
 
@@ -248,7 +247,7 @@ class StillRecording final : public Recording {
     for (std::int64_t done = 0; done < status.st_size;) {
       const ssize_t got = ::read(file.get(), pixels + done, static_cast<std::size_t>(status.st_size - done));
       if (got < 0) throw std::system_error(errno, std::generic_category());
-      if (got == 0) throw std::runtime_error("has become shorter while it was read");
+      if (got == 0) throw std::runtime_error("became shorter while it was read");
       done += got;
     }
     return image;

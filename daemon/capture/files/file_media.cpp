@@ -166,7 +166,7 @@ void MediaReader::Libraries::feed() {
     if (read < 0) {
       draining = true;
       avcodec_send_packet(decoder, nullptr);
-      if (read != AVERROR_EOF) check(read, "cannot be read on");
+      if (read != AVERROR_EOF) check(read, "cannot be read any further");
       return;
     }
     const bool ours = packet->stream_index == stream;
@@ -183,7 +183,7 @@ void MediaReader::Libraries::convert(std::uint8_t* rgb) {
   converter = sws_getCachedContext(
       converter, frame->width, frame->height, format, frame->width, frame->height, AV_PIX_FMT_RGB24,
       SWS_BILINEAR | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT, nullptr, nullptr, nullptr);
-  if (converter == nullptr) throw std::runtime_error("no conversion of its pixels to rgb24");
+  if (converter == nullptr) throw std::runtime_error("its pixels cannot be converted to rgb24");
   const int full_range = format != given || frame->color_range == AVCOL_RANGE_JPEG;
   const int colorspace = frame->colorspace == AVCOL_SPC_UNSPECIFIED ? SWS_CS_DEFAULT : frame->colorspace;
   sws_setColorspaceDetails(converter, sws_getCoefficients(colorspace), full_range,

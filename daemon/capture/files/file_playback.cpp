@@ -103,7 +103,7 @@ std::vector<Control> Playback::list() {
   for (Control& control : out) control.category = "Playback";
   out[0].name = "position";
   out[0].title = "Position";
-  out[0].help = "number of the newest image; setting it shows that one next";
+  out[0].help = "number of the current image; setting it shows that image next";
   out[0].kind = ControlKind::kInteger;
   out[0].least = 0;
   out[0].most = static_cast<double>(std::max<std::int64_t>(0, count_ - 1));
@@ -119,11 +119,11 @@ std::vector<Control> Playback::list() {
   out[2].kind = ControlKind::kAction;
   out[3].name = "step_back";
   out[3].title = "Step back";
-  out[3].help = "shows the image before and stays paused";
+  out[3].help = "shows the previous image and stays paused";
   out[3].kind = ControlKind::kAction;
   out[4].name = "speed";
   out[4].title = "Speed";
-  out[4].help = "times its own rate";
+  out[4].help = "factor on its own rate";
   out[4].kind = ControlKind::kNumber;
   out[4].least = 0.01;
   out[4].most = 100;
@@ -131,7 +131,7 @@ std::vector<Control> Playback::list() {
   out[4].writable = is_timed();
   out[5].name = "loop";
   out[5].title = "Loop";
-  out[5].help = "begin again at the end";
+  out[5].help = "start again at the end";
   out[5].kind = ControlKind::kFlag;
   out[5].value = state.loop;
   return out;
@@ -146,7 +146,7 @@ Control Playback::get(const std::string& name) {
 
 void Playback::write(const Control& control, const Json& value) {
   if (!control.writable)
-    throw SettingsError("speed: cannot be set: these images are shown as fast as they are taken");
+    throw SettingsError("speed: cannot be set: these images are shown as fast as they are processed");
   if (control.name == "speed") speed_ = value.get<double>();
   update([&](State& state) {
     if (control.name == "position") {

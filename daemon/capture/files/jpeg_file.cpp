@@ -25,7 +25,7 @@ Image read_jpeg_file(const std::string& path, PicturePool& pool) {
     throw std::system_error(errno, std::generic_category(), "cannot be read");
 
   JpegDecoder decoder;
-  std::string problem = "no JPEG";
+  std::string problem = "not a JPEG";
   const ImageView layout = decoder.layout(bytes, problem);
   if (layout.width == 0) throw std::runtime_error(problem);
   std::uint8_t* pixels = nullptr;

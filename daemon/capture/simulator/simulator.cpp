@@ -133,7 +133,7 @@ std::vector<FoundCamera> list() {
 SimulatorOptions simulator_options(const Json& json, const std::string& path) {
   auto options = params_from_json<SimulatorOptions>(json, path);
   if (!is_valid_size(options.pixel_format, options.width, options.height)) {
-    throw SettingsError(fmt::format("{}: width {} and height {} are not allowed; expected even ones for {}",
+    throw SettingsError(fmt::format("{}: width {} and height {} are not allowed; expected even values for {}",
                                     path, options.width, options.height, name_of(options.pixel_format)));
   }
   if (std::int64_t{options.width} * options.height > SimulatorOptions::kMaxPixels) {
@@ -159,7 +159,7 @@ SimulatorOptions simulator_options(const Json& json, const std::string& path) {
       if (swing[i][1] < least || swing[i][1] > most)
         refuse(point + "/1", swing[i][1], fmt::format("a factor {} .. {}", least, most));
     }
-    if (swing.size() == 1) refuse(fmt::format("{}/{}", path, key), swing, "no points, or two and more");
+    if (swing.size() == 1) refuse(fmt::format("{}/{}", path, key), swing, "no points, or at least two");
   };
   const HallOptions hall = resolved(options.hall);
   if (*hall.lamps.flicker_low > *hall.lamps.flicker_high) {
@@ -194,9 +194,10 @@ SimulatorOptions simulator_options(const Json& json, const std::string& path) {
 }
 
 Backend simulator_backend() {
-  return {"simulator", "a field with moving robots and balls, drawn as this camera's calibration sees it",
-          &complete,   &params_schema<SimulatorOptions>,
-          &open,       &list};
+  return {
+      "simulator", "a field with moving robots and balls, drawn as a camera with this calibration sees it",
+      &complete,   &params_schema<SimulatorOptions>,
+      &open,       &list};
 }
 
 }  // namespace sslv

@@ -20,17 +20,17 @@ struct SimulatorErrors {
     using E = SimulatorErrors;
     return std::tuple{
         number("moved_x_mm", &E::moved_x_mm, -1000.0, 1000.0, "mm",
-               "the camera hangs so far from where its calibration says"),
-        number("moved_y_mm", &E::moved_y_mm, -1000.0, 1000.0, "mm", "the same along y"),
+               "distance along x between the camera's real and calibrated position"),
+        number("moved_y_mm", &E::moved_y_mm, -1000.0, 1000.0, "mm", "distance along y"),
         number("turned_deg", &E::turned_deg, -10.0, 10.0, "deg",
-               "the camera is turned so far about the vertical"),
-        number("phase", &E::phase, 0.0, 1.0, "",
-               "images are taken so much later than those of other cameras, as a share of the time between "
-               "two images"),
+               "rotation of the camera about the vertical, against its calibration"),
+        number(
+            "phase", &E::phase, 0.0, 1.0, "",
+            "delay of the images behind those of other cameras, as a share of the time between two images"),
         number("time_offset_ms", &E::time_offset_ms, -1000.0, 1000.0, "ms",
-               "images are said to be taken so much later than they are"),
+               "delay of the time stamps behind the real capture times"),
         number("time_jitter_ms", &E::time_jitter_ms, 0.0, 100.0, "ms",
-               "and by so much to and fro (standard deviation)"),
+               "jitter of the time stamps (standard deviation)"),
         number("drop_share", &E::drop_share, 0.0, 1.0, "", "share of the images that are lost"),
     };
   }

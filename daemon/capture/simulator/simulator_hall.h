@@ -33,21 +33,21 @@ struct HallCarpetOptions {
     using O = HallCarpetOptions;
     return std::tuple{
         number("red", &O::red, 0, 255, "",
-               "its colour in light 1; null: one of several carpets, by the seed"),
+               "its colour in light 1; null: one of several carpets, chosen by the seed"),
         number("green", &O::green, 0, 255, "", "the same"),
         number("blue", &O::blue, 0, 255, "", "the same"),
         number("blotches", &O::blotches, 0.0, 0.5, "",
-               "light and dark patches: standard deviation of brightness as a share of it"),
+               "light and dark patches: standard deviation of brightness, as a fraction"),
         number("blotch_mm", &O::blotch_mm, 30.0, 5000.0, "mm", "size of the patches"),
-        number("tint", &O::tint, 0.0, 0.5, "", "the same deviation of red alone; of blue half as much"),
-        number("weave", &O::weave, 0.0, 0.5, "", "ribs: fraction by which their brightness swings"),
-        number("strip_mm", &O::strip_mm, 0.0, 10'000.0, "mm",
-               "width of the strips that it is laid in; 0: it is one piece"),
+        number("tint", &O::tint, 0.0, 0.5, "", "coloured patches: the same for red; half as much for blue"),
+        number("weave", &O::weave, 0.0, 0.5, "", "ribs: amplitude of their brightness, as a fraction"),
+        number("strip_mm", &O::strip_mm, 0.0, 10'000.0, "mm", "width of its strips; 0: one piece"),
         number("strip_step", &O::strip_step, 0.0, 0.5, "",
-               "how much a strip is lighter or darker than the mean at most"),
-        number("seams", &O::seams, 0.0, 1.0, "", "how much the line between two strips is darker or lighter"),
-        number("wear", &O::wear, 0.0, 1.0, "", "how pale it is where it was trodden"),
-        number("shine", &O::shine, 0.0, 1.0, "", "sheen where it mirrors a lamp"),
+               "largest deviation of a strip's brightness from the mean, as a fraction"),
+        number("seams", &O::seams, 0.0, 1.0, "",
+               "brightness difference of the seams between strips, as a fraction"),
+        number("wear", &O::wear, 0.0, 1.0, "", "how pale it is where it is worn"),
+        number("shine", &O::shine, 0.0, 1.0, "", "sheen where it reflects a lamp"),
     };
   }
 };
@@ -57,20 +57,19 @@ struct HallLampOptions {
   static constexpr auto fields() {
     using O = HallLampOptions;
     return std::tuple{
-        number("uneven", &O::uneven, 0.0, 0.9, "",
-               "several lamps: fraction by which a place on the field is brighter or darker than the mean at "
-               "most"),
-        number("cast", &O::cast, 0.0, 0.5, "",
-               "lamps of two colours: fraction by which red is stronger and blue weaker on one side, and the "
-               "other way round on the other"),
-        number("flicker_low", &O::flicker_low, 0.1, 4.0, "",
-               "the light differs from image to image: least factor; in between all are as likely, by "
-               "ratio"),
-        number("flicker_high", &O::flicker_high, 0.1, 4.0, "", "largest factor"),
         number(
-            "banding", &O::banding, 0.0, 0.9, "",
-            "bands of mains light at 100 Hz seen row by row: fraction by which they are brighter or darker; "
-            "they need rolling_shutter_ms, or 10 ms are taken"),
+            "uneven", &O::uneven, 0.0, 0.9, "",
+            "several lamps: largest deviation of the brightness on the field from the mean, as a fraction"),
+        number("cast", &O::cast, 0.0, 0.5, "",
+               "lamps of two colours: fraction by which red is stronger and blue weaker on one side, and "
+               "vice versa on the other"),
+        number("flicker_low", &O::flicker_low, 0.1, 4.0, "",
+               "light that differs from image to image: smallest factor; factors in between are equally "
+               "likely on a logarithmic scale"),
+        number("flicker_high", &O::flicker_high, 0.1, 4.0, "", "largest factor"),
+        number("banding", &O::banding, 0.0, 0.9, "",
+               "bands of mains light at 100 Hz across the rows: amplitude of their brightness, as a "
+               "fraction; if rolling_shutter_ms is 0, they assume 10 ms"),
         number("shadows", &O::shadows, 0.0, 1.0, "", "soft shadows of robots, balls and people on the floor"),
     };
   }
@@ -82,10 +81,10 @@ struct HallPrintOptions {
     using O = HallPrintOptions;
     return std::tuple{
         number("makers", &O::makers, 0.0, 1.0, "",
-               "how much the colours of prints and balls differ from maker to maker and print to print"),
+               "how much the colours of prints and balls differ between makers and between prints"),
         number("fading", &O::fading, 0.0, 0.9, "", "how pale the palest robot's print is"),
         number("height_spread_mm", &O::height_spread_mm, 0.0, 30.0, "mm",
-               "how far a robot's height is from its team's at most"),
+               "largest deviation of a robot's height from its team's"),
     };
   }
 };
@@ -97,12 +96,12 @@ struct HallSurroundOptions {
   static constexpr auto fields() {
     using O = HallSurroundOptions;
     return std::tuple{
-        choice("floor", &O::floor, kHallFloorChoices, "beside the carpet; null: by the seed"),
-        number("boards", &O::boards, 0.0, 1.0, "", "share of the carpet's rim with advertising boards"),
+        choice("floor", &O::floor, kHallFloorChoices, "floor beside the carpet; null: chosen by the seed"),
+        number("boards", &O::boards, 0.0, 1.0, "", "share of the carpet's edge with advertising boards"),
         number("things", &O::things, 0, 100, "",
-               "cones, cables, bags, bottles and the like round all of the field, never inside its lines"),
+               "cones, cables, bags, bottles and the like around the field, never inside its lines"),
         number("people", &O::people, 0, 30, "",
-               "people round all of the field, of whom some lean in, never inside its lines"),
+               "people around the field, some leaning in, never inside its lines"),
     };
   }
 };
@@ -113,10 +112,10 @@ struct HallSensorOptions {
     using O = HallSensorOptions;
     return std::tuple{
         number("block_noise", &O::block_noise, 0.0, 30.0, "",
-               "error of each block of 8 x 8 pixels as JPEG makes it, new in each image: standard deviation "
+               "errors of blocks of 8 x 8 pixels, as JPEG causes them, new in each image: standard deviation "
                "of Y, U and V in 8-bit grey levels"),
         number("hot_pixels", &O::hot_pixels, 0.0, 1000.0, "",
-               "pixels that are always too bright, of a million; each camera has its own"),
+               "pixels per million that are always too bright; each camera has its own"),
     };
   }
 };
@@ -135,14 +134,14 @@ struct HallOptions {
     return std::tuple{
         choice("kind", &O::kind, kHallKindChoices,
                "plain: an even carpet in steady light; usual, hard: textures, changing and uneven light, "
-               "boards, people, faded prints. What is null below is as this says"),
+               "boards, people, faded prints. Null options follow this kind"),
         number("seed", &O::seed, 0, 1'000'000, "",
-               "another seed, another hall; cameras of one field share it"),
+               "each seed gives another hall; all cameras of a field need the same"),
         group("carpet", &O::carpet, "its colour and texture"),
-        group("lamps", &O::lamps, "where light falls, and how it changes"),
-        group("prints", &O::prints, "robots that differ from each other"),
-        group("around", &O::around, "what is beside the carpet"),
-        group("sensor", &O::sensor, "what the camera adds"),
+        group("lamps", &O::lamps, "distribution and changes of the light"),
+        group("prints", &O::prints, "differences between robots"),
+        group("around", &O::around, "surroundings of the carpet"),
+        group("sensor", &O::sensor, "errors of the camera's sensor"),
     };
   }
 };

@@ -123,8 +123,8 @@ SettingsError no_room(std::string_view key, const SimulatorOptions& options, con
   const std::string on_field = fmt::format("on a field of {} x {} mm", field.field_length, field.field_width);
   if (key == "hidden_balls") {
     return SettingsError(
-        fmt::format("hidden_balls: {}, each hidden by {} % from this camera, are not allowed {}; "
-                    "expected fewer or less hidden ones",
+        fmt::format("hidden_balls: {}, each hidden by {} % from this camera, are not allowed {}; expected "
+                    "fewer, or a smaller hidden_share",
                     options.hidden_balls, 100 * options.hidden_share, on_field));
   }
   if (key == "distractors") {

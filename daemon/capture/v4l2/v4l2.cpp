@@ -37,18 +37,16 @@ struct V4l2Options {
     return std::tuple{
         text("camera", &O::camera,
              "the camera's serial number, where it is plugged in (usb-0000:00:14.0-2), its name in "
-             "/dev/v4l/by-id "
-             "or by-path, or a path; empty: the first that is found"),
+             "/dev/v4l/by-id or by-path, or a path; empty: the first camera found"),
         choice("pixel_format", &O::pixel_format, kV4l2FormatChoices,
-               "auto: one with which the camera is fast enough, rather not compressed"),
+               "auto: a sufficiently fast format, preferably uncompressed"),
         number("width", &O::width, 0, 16384, "px", "0: leave as it is"),
         number("height", &O::height, 0, 16384, "px", "0: leave as it is"),
         number("frame_rate_hz", &O::frame_rate_hz, 0.01, 10000.0, "Hz", "null: leave as it is"),
-        number("buffers", &O::buffers, 3, 32, "", "images that may be under way at once"),
+        number("buffers", &O::buffers, 3, 32, "", "number of buffers for images in transit"),
         number("silence_s", &O::silence_s, 0.1, 3600.0, "s",
                "a camera that sends nothing for this long counts as lost"),
-        object("controls", &O::controls,
-               "what is set on the camera when it is opened: the names and values that it has for them"),
+        object("controls", &O::controls, "controls set at opening, with the camera's own names and values"),
     };
   }
 };
@@ -104,14 +102,15 @@ class V4l2Source final : public Source {
     const int error = stream_->fetch(filled);
     if (error == EAGAIN && !ready.error) return CaptureStatus::kTimeout;
     if (error != 0) {
-      return mark_lost(problem, error == ENODEV ? "it is no longer there"
-                                                : fmt::format("it delivers no more: {}", errno_text(error)));
+      return mark_lost(problem, error == ENODEV
+                                    ? "it is no longer connected"
+                                    : fmt::format("it delivers no more images: {}", errno_text(error)));
     }
     last_picture_ns_ = steady_ns();
     count_gap(filled.sequence);
     if ((filled.flags & V4L2_BUF_FLAG_ERROR) != 0) {
       stream_->give_back(filled);
-      problem = "the driver says that it is damaged";
+      problem = "the driver reports it as damaged";
       return CaptureStatus::kIncomplete;
     }
     image.times = times_of(filled);
@@ -131,7 +130,7 @@ class V4l2Source final : public Source {
 
   CaptureStatus nothing_came(std::string& problem) {
     if (const int error = stream_->queue_error(); error != 0)
-      return mark_lost(problem, fmt::format("it does not take its buffers back: {}", errno_text(error)));
+      return mark_lost(problem, fmt::format("its buffers cannot be queued again: {}", errno_text(error)));
     if (!stream_->can_deliver()) last_picture_ns_ = steady_ns();  // all buffers lent: not the camera's fault
     if (static_cast<double>(steady_ns() - last_picture_ns_) * 1e-9 < options_.silence_s)
       return CaptureStatus::kTimeout;
@@ -143,7 +142,7 @@ class V4l2Source final : public Source {
                 std::string& problem) const {
     const std::ptrdiff_t needed = format_.stride_bytes * (rows - 1) + row_bytes;
     if (static_cast<std::ptrdiff_t>(filled.bytes) >= needed && filled.bytes <= filled.most) return true;
-    problem = fmt::format("{} bytes came; {}x{} {} needs {}", filled.bytes, format_.width, format_.height,
+    problem = fmt::format("{} bytes arrived; {}x{} {} needs {}", filled.bytes, format_.width, format_.height,
                           format_.format.name, needed);
     return false;
   }
@@ -185,8 +184,8 @@ class V4l2Source final : public Source {
     const ImageView layout = decoder_->layout(jpeg, problem);
     CaptureStatus status = CaptureStatus::kIncomplete;
     if (layout.width > 0 && (layout.width != format_.width || layout.height != format_.height)) {
-      problem = fmt::format("{}x{} pixels came instead of {}x{}", layout.width, layout.height, format_.width,
-                            format_.height);
+      problem = fmt::format("{}x{} pixels arrived instead of {}x{}", layout.width, layout.height,
+                            format_.width, format_.height);
     } else if (layout.width > 0) {
       std::uint8_t* pixels = nullptr;
       Image free = own_buffers_->take(layout, pixels);
@@ -293,7 +292,7 @@ std::vector<FoundCamera> list_v4l2(const V4l2System& system) {
 Backend v4l2_backend() {
   return {
       "v4l2",
-      "webcams and other cameras with a driver in the kernel",
+      "webcams and other cameras with a kernel driver",
       [](const Json& options, const std::string& path) {
         return params_to_json(params_from_json<V4l2Options>(options, path));
       },

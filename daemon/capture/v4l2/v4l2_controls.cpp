@@ -214,9 +214,9 @@ void V4l2Controls::write(const Control& control, const Json& value) {
   const v4l2_query_ext_ctrl asked = query(entry_of(control.name).id);
   if (!is_writable(asked)) {
     refuse(control, value,
-           (asked.flags & V4L2_CTRL_FLAG_READ_ONLY) != 0 ? "it can only be read"
+           (asked.flags & V4L2_CTRL_FLAG_READ_ONLY) != 0 ? "it is read-only"
            : (asked.flags & V4L2_CTRL_FLAG_GRABBED) != 0
-               ? "the camera does not allow it while it delivers"
+               ? "the camera does not allow it while it delivers images"
                : "another control sets it, such as an automatic mode");
   }
   v4l2_ext_control one{};
@@ -236,7 +236,7 @@ void V4l2Controls::write(const Control& control, const Json& value) {
       std::vector<std::int64_t> numbers;
       const std::vector<std::string> choices = menu(asked, numbers);
       const auto found = std::find(choices.begin(), choices.end(), value.get<std::string>());
-      if (found == choices.end()) refuse(control, value, "the camera no longer has that");
+      if (found == choices.end()) refuse(control, value, "the camera no longer has this choice");
       one.value = static_cast<__s32>(numbers[static_cast<std::size_t>(found - choices.begin())]);
       break;
     }

@@ -101,26 +101,26 @@ class FormatSetup {
  private:
   V4l2FormatSet checked(const V4l2Format& format, const Made& made) {
     if (made.fourcc != format.fourcc)
-      refuse("pixel_format", format.name, fmt::format("the camera made it {}", letters_of(made.fourcc)));
+      refuse("pixel_format", format.name, fmt::format("the camera set {} instead", letters_of(made.fourcc)));
     if (made.planes != 1)
-      refuse("pixel_format", format.name, fmt::format("the camera puts it into {} planes", made.planes));
+      refuse("pixel_format", format.name, fmt::format("the camera delivers it in {} planes", made.planes));
     const Size size{static_cast<int>(made.width), static_cast<int>(made.height)};
     const auto is_other = [](int wanted, int got) { return wanted > 0 && wanted != got; };
     if (is_other(wish_.width, size.width) || is_other(wish_.height, size.height)) {
       refuse("width x height", fmt::format("{}x{}", size_.width, size_.height),
-             fmt::format("the camera made it {}x{}{}", size.width, size.height, known_sizes(format)));
+             fmt::format("the camera set {}x{} instead{}", size.width, size.height, known_sizes(format)));
     }
     size_ = size;
     constexpr std::array<__u32, 4> kWhole{V4L2_FIELD_NONE, V4L2_FIELD_INTERLACED, V4L2_FIELD_INTERLACED_TB,
                                           V4L2_FIELD_INTERLACED_BT};
     if (std::find(kWhole.begin(), kWhole.end(), made.field) == kWhole.end())
-      fail("it delivers half images, every second row (interlaced)");
+      fail("it delivers half images of every second row (interlaced)");
     // For NV12, the length of a row of Y; rows of colours are equally long.
     const bool is_nv12 = format.fourcc == V4L2_PIX_FMT_NV12;
     const PixelFormat becomes = format.pixels.value_or(PixelFormat::kUyvy);
     const bool suits = is_valid_size(becomes, size.width, size.height) && (!is_nv12 || size.height % 2 == 0);
     if ((format.pixels || is_nv12) && !suits)
-      refuse("pixel_format", format.name, fmt::format("{}x{} does not suit it", size.width, size.height));
+      refuse("pixel_format", format.name, fmt::format("it does not support {}x{}", size.width, size.height));
     const int row_bytes = format.pixels ? size.width * bytes_per_pixel(becomes) : is_nv12 ? size.width : 0;
     return {format, size.width, size.height, std::max<std::ptrdiff_t>(row_bytes, made.row_bytes),
             set_rate(format)};
@@ -185,7 +185,7 @@ class FormatSetup {
       const double made_hz = rate_hz(capture.timeperframe);
       if (std::abs(made_hz - *wish_.frame_rate_hz) > 0.01 * *wish_.frame_rate_hz) {
         refuse("frame_rate_hz", *wish_.frame_rate_hz,
-               fmt::format("the camera made it {:.4g}{}", made_hz, known_rates(format)));
+               fmt::format("the camera set {:.4g} instead{}", made_hz, known_rates(format)));
       }
     }
     const double set_hz = readable ? rate_hz(capture.timeperframe) : 0;
@@ -207,7 +207,7 @@ class FormatSetup {
       if (device_.call(VIDIOC_ENUM_FRAMESIZES, &size) != 0) break;
       if (size.type != V4L2_FRMSIZE_TYPE_DISCRETE) {
         const v4l2_frmsize_stepwise& range = size.stepwise;
-        return fmt::format("; it takes {}x{} to {}x{}", range.min_width, range.min_height, range.max_width,
+        return fmt::format("; it allows {}x{} to {}x{}", range.min_width, range.min_height, range.max_width,
                            range.max_height);
       }
       out +=

@@ -75,7 +75,7 @@ Opened open_node(const V4l2System& system, const std::string& path) {
   if (!node.device) {
     const int error = errno;
     if (error != EACCES) return {std::nullopt, errno_text(error)};
-    return {std::nullopt, errno_text(error) + "; who may use it is in the group video", true};
+    return {std::nullopt, errno_text(error) + "; only members of the group video may use it", true};
   }
   v4l2_capability capability{};
   if (const int error = node.device->call(VIDIOC_QUERYCAP, &capability); error != 0)
@@ -160,9 +160,9 @@ V4l2Node find_v4l2_node(const V4l2System& system, const std::string& camera) {
   }
   if (found.size() == 1) return std::move(found.front());
   if (found.empty())
-    throw CaptureError(fmt::format("camera \"{}\": not found; there are {}", camera, listed(all, all)));
-  throw CaptureError(fmt::format("camera \"{}\": {} have this name; use one of {}", camera, found.size(),
-                                 listed(found, all)));
+    throw CaptureError(fmt::format("camera \"{}\": not found; available: {}", camera, listed(all, all)));
+  throw CaptureError(fmt::format("camera \"{}\": {} cameras have this name; use one of {}", camera,
+                                 found.size(), listed(found, all)));
 }
 
 }  // namespace sslv

@@ -60,7 +60,7 @@ std::shared_ptr<V4l2Stream> V4l2Stream::start(std::shared_ptr<V4l2Device> device
     // The driver reports ENOSPC when another camera uses the bandwidth of the USB bus.
     throw CaptureError(
         fmt::format("camera \"{}\": does not start: {}", label,
-                    error == ENOSPC ? "too little is left of its USB bus" : errno_text(error)));
+                    error == ENOSPC ? "its USB bus has too little bandwidth left" : errno_text(error)));
   }
   return stream;
 }
@@ -88,7 +88,7 @@ void V4l2Stream::map_buffers(int wanted, const std::string& label) {
     std::uint8_t* memory = device_->map(asked.length(), asked.map_offset());
     if (memory == nullptr) fail("no buffers", errno);
     buffers_.push_back({memory, asked.length(), asked.buffer.index});
-    if (const int error = queue(asked.buffer.index); error != 0) fail("does not take its buffers", error);
+    if (const int error = queue(asked.buffer.index); error != 0) fail("its buffers cannot be queued", error);
   }
 }
 

@@ -96,10 +96,10 @@ Json ask_library(const std::string& library, const Json& question, const std::st
   try {
     answer = parse_bounded_json(text);
   } catch (const std::exception&) {
-    throw std::runtime_error(fmt::format("stage library {}: gave an answer that is none", name));
+    throw std::runtime_error(fmt::format("stage library {}: its process gave an invalid answer", name));
   }
   if (!answer.is_object())
-    throw std::runtime_error(fmt::format("stage library {}: gave an answer that is none", name));
+    throw std::runtime_error(fmt::format("stage library {}: its process gave an invalid answer", name));
   if (answer.contains("error")) {
     const Json& error = answer.at("error");
     throw std::runtime_error(escaped_text(error.is_string() ? error.get<std::string>() : error.dump()));

@@ -75,7 +75,7 @@ std::string why_not_apart(const StageNeeds& needs) {
     else
       return takes<Floor, FieldSink&>(needs);
   }();
-  if (takes_sink) why = "it sends results itself, which only stages inside the service can";
+  if (takes_sink) why = "it sends results itself, which only stages inside the service can do";
   return why;
 }
 

@@ -103,7 +103,7 @@ typename BasicStageType<Floor>::Parsed parse_apart(Library& library, const std::
           {{"ask", "parse"}, {"floor", kFloorName<Floor>}, {"stage", stage}, {"json", json}, {"path", path}},
           stop, library.checks_within);
       complete = std::move(answer.at("complete"));
-      if (!complete->is_object()) throw std::runtime_error("it gave parameters that are none");
+      if (!complete->is_object()) throw std::runtime_error("it gave invalid parameters");
     } catch (const std::exception& error) {
       const std::string what = error.what();
       throw SettingsError(what.starts_with(path) ? what : path + ": " + what);
@@ -113,7 +113,7 @@ typename BasicStageType<Floor>::Parsed parse_apart(Library& library, const std::
   params->json = complete->dump();
   if (params->json.size() + sizeof(std::uint64_t) >
       kConstantRoom[static_cast<std::size_t>(Constant::kParams)])
-    throw SettingsError(path + ": these are more parameters than a stage in a process of its own can have");
+    throw SettingsError(path + ": the parameters are too large for a stage in a process of its own");
   complete->update(params_to_json(params->own));
   return {std::move(params), std::move(*complete)};
 }
@@ -122,7 +122,7 @@ template <class Floor>
 BasicStageType<Floor> row_of(const Json& said, const std::shared_ptr<Library>& library,
                              Supervisor& supervisor) {
   const auto name = said.at("name").get<std::string>();
-  if (!is_name(name)) throw std::runtime_error("has a stage whose name is none");
+  if (!is_name(name)) throw std::runtime_error("has a stage with an invalid name");
   const auto fail = [&](const std::string& why) {
     throw std::runtime_error(
         fmt::format("stage '{}' cannot run in a process of its own: {}", name, escaped_text(why)));
@@ -130,7 +130,7 @@ BasicStageType<Floor> row_of(const Json& said, const std::shared_ptr<Library>& l
   StageNeeds needs{said.at("reads").get<std::uint64_t>(), said.at("writes").get<std::uint64_t>(),
                    said.at("updates").get<std::uint64_t>(), said.at("takes").get<std::uint32_t>()};
   if (((needs.reads | needs.writes | needs.updates) >> kPartCount<Floor>).any())
-    fail("it speaks of parts that no frame has");
+    fail("it uses unknown parts");
   if (const std::string why = why_not_apart<Floor>(needs); !why.empty()) fail(why);
 
   BasicStageType<Floor> row;
@@ -145,9 +145,9 @@ BasicStageType<Floor> row_of(const Json& said, const std::shared_ptr<Library>& l
   for (const Json& part : said.at("own_parts")) {
     OwnPartUse use;
     use.type.name = part.at("name").get<std::string>();
-    if (!is_name(use.type.name)) fail("it has a part whose name is none");
+    if (!is_name(use.type.name)) fail("it has a part with an invalid name");
     if (!part.at("is_encodable").get<bool>())
-      fail(fmt::format("its part '{}' holds what cannot be sent to another process (pipeline/part_codec.h)",
+      fail(fmt::format("its part '{}' cannot be sent to another process (pipeline/part_codec.h)",
                        use.type.name));
     use.type.layout = part.at("layout").get<std::uint64_t>();
     use.type.code = FlatPart::code();
@@ -161,7 +161,7 @@ BasicStageType<Floor> row_of(const Json& said, const std::shared_ptr<Library>& l
   if (!schema.is_object() || !schema.contains("properties") || !schema.at("properties").is_object())
     fail("its parameters are not described");
   if (schema.at("properties").contains(kDeadlineKey))
-    fail(fmt::format("it has a parameter '{}', which is the service's", kDeadlineKey));
+    fail(fmt::format("it has a parameter '{}', whose name is reserved", kDeadlineKey));
   const Json& defaults = said.at("defaults");
   if (!defaults.is_object()) fail("its parameters are not described");
   library->params.add(kFloorName<Floor>, name, Json::object(), defaults);

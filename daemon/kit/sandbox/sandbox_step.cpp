@@ -104,20 +104,20 @@ void SandboxReport::tell(const StageProcess& process, double deadline_ms, StageN
   };
   if (count(Outcome::kNoProcess) > 0) {
     if (losses_.count == 0) {
-      warn("its process is not there");
+      warn("its process is not running");
     } else {
-      warn("its process {}; started again, {} {}", std::string_view(losses_.text.data(), losses_.length),
+      warn("its process {}; restarted {} {}", std::string_view(losses_.text.data(), losses_.length),
            losses_.count, losses_.count == 1 ? "time" : "times");
     }
   } else if (count(Outcome::kBad) > 0) {
-    warn("gave results without sense for {} of the last {} images, which went on without",
+    warn("gave invalid results for {} of the last {} images, which were processed without them",
          count(Outcome::kBad), kImages);
   } else if (count(Outcome::kNoRoom) > 0) {
-    warn("was not given {} of the last {} images: the service had no room for what it reads of them",
+    warn("was skipped for {} of the last {} images: no space for the parts that it reads",
          count(Outcome::kNoRoom), kImages);
   } else if (count(Outcome::kLate) > 0) {
-    warn("took longer than {} ms for {} of the last {} images, which went on without", deadline_ms,
-         count(Outcome::kLate), kImages);
+    warn("took longer than {} ms for {} of the last {} images, which were processed without its results",
+         deadline_ms, count(Outcome::kLate), kImages);
   } else if (note_kind_ == StageNotes::Kind::kWarning) {
     notes.warn({note_.data(), note_length_});
   } else if (note_kind_ == StageNotes::Kind::kNote) {

@@ -27,7 +27,7 @@ struct DeadlineParams {
   static constexpr auto fields() {
     return std::tuple{number("deadline_ms", &DeadlineParams::deadline_ms, 0.5, 1000.0, "ms",
                              "how long an image waits for this stage, which runs in a process of its own; "
-                             "then it goes on without")};
+                             "then it continues without the results")};
   }
 };
 

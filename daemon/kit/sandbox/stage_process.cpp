@@ -429,7 +429,7 @@ template <class Floor>
                           const std::string& contract) {
   const BasicStageType<Floor>& row = find_row(rows, stage);
   if (contract_of(row) != contract) {
-    throw std::runtime_error("its library was exchanged and has other parts now: start the service again");
+    throw std::runtime_error("its library was replaced and has other parts now: restart the service");
   }
   const Channel channel(kToStageFile, kFromStageFile);
   StageRunner<Floor>(row, channel).run();

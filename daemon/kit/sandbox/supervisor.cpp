@@ -217,20 +217,20 @@ struct Supervisor::Impl {
   bool should_be_killed(Watched& one, std::int64_t now_ns) {
     StageProcess& process = *one.process;
     if (!process.is_wanted.load()) {
-      one.killed_for = "was ended";
+      one.killed_for = "was stopped";
     } else if (one.state == State::kStarting) {
       if (now_ns < one.due_ns + one.started.grace_ns(3 * ns(options.starts_within))) return false;
-      one.killed_for = "did not start in time and was ended";
+      one.killed_for = "did not start in time and was killed";
       const std::lock_guard lock(mutex);
       slow.insert(process.library);
     } else if (process.failures_in_a_row.load() >= options.most_failures_in_a_row) {
-      one.killed_for = "failed too often and was ended";
+      one.killed_for = "failed too often and was killed";
     } else {
       const std::int64_t asked_ns = process.asked_ns.load();
       const bool is_silent = process.channel.from().answer.load() != process.channel.to().request.load() &&
                              asked_ns != 0 && now_ns - asked_ns > ns(options.longest_silence);
       if (!is_silent) return false;
-      one.killed_for = "hung and was ended";
+      one.killed_for = "hung and was killed";
     }
     return true;
   }
@@ -311,7 +311,7 @@ struct Supervisor::Impl {
     ++one.lost_lately;
     one.due_ns = steady_ns() + pause_ns;
     if (!one.process->is_wanted.load() || ends.load()) return;
-    log::warning("stage '{}': its process {}; it is started again {}", one.process->stage, how,
+    log::warning("stage '{}': its process {}; restarting {}", one.process->stage, how,
                  pause_ns == 0 ? std::string("at once") : fmt::format("in {} ms", pause_ns / 1'000'000));
     StageProcess::Losses losses = one.process->losses.load();
     ++losses.count;

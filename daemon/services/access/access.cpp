@@ -27,7 +27,7 @@ constexpr std::size_t kMaxKnown = 256;  // remembered addresses per role
 std::string random_token() {
   std::array<std::uint8_t, 32> bytes{};
   if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-    throw std::runtime_error("no random numbers");
+    throw std::runtime_error("the system provides no random numbers");
   std::string out;
   for (const std::uint8_t byte : bytes) out += fmt::format("{:02x}", byte);
   return out;

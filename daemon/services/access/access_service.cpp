@@ -23,7 +23,7 @@ struct SignIn {
 struct NewPassword {
   std::string password, admin_password;
   static constexpr auto fields() {
-    return std::tuple{secret("password", &NewPassword::password, "the new one; empty: none any more"),
+    return std::tuple{secret("password", &NewPassword::password, "the new one; empty: removes it"),
                       secret("admin_password", &NewPassword::admin_password,
                              "the current admin password, if there is one")};
   }

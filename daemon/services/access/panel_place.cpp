@@ -91,7 +91,7 @@ void PanelPlace::follow_settings() {
     plan.apply();
     problem_.clear();
   } catch (const std::exception& error) {
-    if (problem_ != error.what()) log::error("the panel stays where it is: {}", error.what());
+    if (problem_ != error.what()) log::error("the panel keeps its address: {}", error.what());
     problem_ = error.what();
   }
 }

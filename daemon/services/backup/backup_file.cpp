@@ -113,7 +113,7 @@ void check_sums(const BackupFiles& files, std::string_view sums) {
     const std::string name(gap == std::string_view::npos ? "" : line.substr(gap + 2));
     if (left.erase(name) == 0) {
       refuse_backup(
-          fmt::format("{}: names \"{}\", which is not exactly once in the backup; the file is damaged",
+          fmt::format("{}: names \"{}\", which is not in the backup exactly once; the file is damaged",
                       kSumsName, shortened(name)));
     }
     if (sha256_of(files.at(name)) != line.substr(0, gap)) {

@@ -24,7 +24,7 @@ class RestoredProfiles final : public SavedWith {
     try {
       profiles_.replace(old_);
     } catch (const std::exception& error) {
-      log::error("profiles of a backup that was refused stay: {}", error.what());
+      log::error("profiles of a refused backup were not removed: {}", error.what());
     }
   }
 
@@ -43,7 +43,7 @@ class RestoredPasswords final : public SavedWith {
     try {
       if (std::exchange(is_restored_, false)) passwords_.take_back(*text_);
     } catch (const std::exception& error) {
-      log::error("passwords of a backup that was refused stay: {}", error.what());
+      log::error("passwords of a refused backup were not removed: {}", error.what());
     }
   }
 

@@ -44,7 +44,7 @@ class CalibrationRecords::SavedHistory final : public SavedWith {
     try {
       history_.set(old_records_);
     } catch (const std::exception& error) {
-      log::error("calibrations that were refused stay in the history: {}", error.what());
+      log::error("refused calibrations were not removed from the history: {}", error.what());
     }
   }
 
@@ -68,7 +68,7 @@ class CalibrationRecords::RestoredHistory final : public SavedWith {
     try {
       history_.replace(old_);
     } catch (const std::exception& error) {
-      log::error("calibrations of a backup that was refused stay in the history: {}", error.what());
+      log::error("calibrations of a refused backup were not removed from the history: {}", error.what());
     }
   }
 

@@ -31,12 +31,12 @@ void add_alerts(std::vector<Alert>& alerts, const CalibrationFacts& camera) {
     add("calibration_other_size", Severity::kBad,
         fmt::format("Camera {} sends {}x{} pixels, its calibration was made for {}x{}", camera.camera_id,
                     camera.width_px, camera.height_px, made->pixel_image_width, made->pixel_image_height),
-        "All positions are wrong: set the old image size, or calibrate again.");
+        "All positions are wrong: restore the old image size, or calibrate again.");
   }
   if (camera.field_changed) {
     add("calibration_stale", Severity::kWarn,
         fmt::format("The field was changed after camera {} was calibrated on it", camera.camera_id),
-        "Calibrate it again, or set the sizes that the field had then.");
+        "Calibrate it again, or restore the sizes that the field had then.");
   }
 }
 

@@ -17,7 +17,7 @@ namespace sslv {
 struct ForceOption {
   bool force = false;
   static constexpr auto fields() {
-    return std::tuple{flag("force", &ForceOption::force, "also where it is refused otherwise")};
+    return std::tuple{flag("force", &ForceOption::force, "even where it would be refused")};
   }
 };
 

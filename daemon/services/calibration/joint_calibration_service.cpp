@@ -117,7 +117,7 @@ Response JointCalibrationService::cancel() {
 Response JointCalibrationService::reject() {
   const JointCalibrationJobs::Job job = jobs_.job(kJointKey);
   if (!job.order || !jobs_.forget(kJointKey, job.report.get()))
-    throw HttpError(409, "there is no finished calibration of cameras together to reject");
+    throw HttpError(409, "there is no finished joint calibration to reject");
   return state();
 }
 
@@ -126,8 +126,7 @@ Response JointCalibrationService::accept(const Request& request) {
   // Read before the job: if a camera changes from now on, these settings are outdated and accept() fails.
   const SettingsStore::Version current = settings_.current();
   const JointCalibrationJobs::Job job = jobs_.job(kJointKey);
-  if (!job.report || !job.report->found)
-    throw HttpError(409, "there is no new calibration of cameras together to accept");
+  if (!job.report || !job.report->found) throw HttpError(409, "there is no new joint calibration to accept");
   if (!force)
     refuse_acceptance(match_lock_, job.report->accepted, job.report->problems, "the new calibrations are");
   std::vector<NewCalibration> calibrations;

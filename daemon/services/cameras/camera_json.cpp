@@ -148,13 +148,13 @@ void write_camera_metrics(MetricsText& out, const std::vector<std::shared_ptr<Ru
   for (const auto& [id, health, totals] : cameras) out.add({{"camera", id}}, read(totals.frames));
 
   out.begin("sslv_frames_dropped_total", "counter",
-            "Images that came but were not processed in time, or came damaged.");
+            "Images that arrived damaged, or were not processed in time.");
   for (const auto& [id, health, totals] : cameras) {
     out.add({{"camera", id}, {"reason", "not_processed"}}, read(totals.capture.dropped));
     out.add({{"camera", id}, {"reason", "damaged"}}, read(totals.capture.incomplete));
   }
 
-  out.begin("sslv_camera_reconnects_total", "counter", "Times the camera was opened again after a loss.");
+  out.begin("sslv_camera_reconnects_total", "counter", "Times the camera was reopened after a loss.");
   for (const auto& [id, health, totals] : cameras) out.add({{"camera", id}}, read(totals.capture.reconnects));
 
   out.begin("sslv_detections_total", "counter", "Robots and balls sent.");
@@ -173,8 +173,7 @@ void write_camera_metrics(MetricsText& out, const std::vector<std::shared_ptr<Ru
     }
   }
 
-  out.begin("sslv_senseless_total", "counter",
-            "What a stage made that made no sense, and that was left out.");
+  out.begin("sslv_senseless_total", "counter", "Invalid results of a stage that were dropped.");
   for (const auto& [id, health, totals] : cameras) {
     for (std::size_t i = 0; i < totals.left_out.size(); ++i) {
       if (!has_run(totals.stages[i].read())) continue;
@@ -187,7 +186,7 @@ void write_camera_metrics(MetricsText& out, const std::vector<std::shared_ptr<Ru
   }
 
   out.begin("sslv_capture_to_send_seconds", "histogram",
-            "From the middle of an image's exposure to its packet's leaving.");
+            "From the middle of an image's exposure to the sending of its packet.");
   for (const auto& [id, health, totals] : cameras) out.add({{"camera", id}}, totals.capture_to_send.read());
 }
 

@@ -130,10 +130,9 @@ void add_source_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
              fmt::format("Camera {} has hung for {} s{}", camera.id, hung_s,
                          camera.hang->stage.empty() ? ", outside of its stages" : place_text(*camera.hang)),
          .fix = camera.hang->stage.empty()
-                    ? "Most likely its driver does not answer. The service manager starts the service again."
-                    : "The stage has a fault. The service manager starts the service again; when it hangs "
-                      "again, "
-                      "take the stage out of the stack.",
+                    ? "Most likely its driver does not answer. The service manager restarts the service."
+                    : "The stage is faulty. The service manager restarts the service; if it hangs again, "
+                      "remove the stage from the stack.",
          .page = "#/settings/cameras",
          .camera = camera.id});
   }
@@ -191,7 +190,7 @@ void add_picture_alerts(std::vector<Alert>& alerts, const CameraFacts& camera) {
   }
   if (is_much(minute.incomplete)) {
     say("frames_incomplete", severity_of_loss(camera.last_seconds.incomplete),
-        fmt::format("Camera {}: {} of {} images of the last minute came damaged", camera.id,
+        fmt::format("Camera {}: {} of {} images of the last minute arrived damaged", camera.id,
                     minute.incomplete, minute.all()),
         "Check cable and switch, and that the cameras together stay below the link's speed.",
         camera_page(camera));
@@ -241,7 +240,7 @@ void add_origin_alerts(std::vector<Alert>& alerts, std::span<const CameraFacts> 
          .severity = Severity::kBad,
          .title = fmt::format("Camera {} is {} beside real cameras", camera.id,
                               camera.origin == ImageOrigin::kSimulation ? "simulated" : "a recording"),
-         .fix = "Remove it, or choose a real camera as its source: what it shows is sent to the teams.",
+         .fix = "Remove it, or choose a real camera as its source: its detections are sent to the teams.",
          .page = camera_page(camera),
          .camera = camera.id});
   }
@@ -362,7 +361,7 @@ void report_left_out(std::span<const LeftOutLibrary> libraries, HealthReport& re
                              .severity = Severity::kWarn,
                              .title = fmt::format("The stage library {} is left out: it {}",
                                                   escaped_text(library.file.string()), library.why),
-                             .fix = "Put a good one in its place, or take it away, and restart the service.",
+                             .fix = "Replace it with a working one, or remove it, and restart the service.",
                              .about = escaped_text(library.file.string())});
   }
 }

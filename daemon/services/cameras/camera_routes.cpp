@@ -132,9 +132,8 @@ Response reopen_camera(const CameraRoutes& of, const Request& request) {
     case CameraState::kRunning: throw HttpError(409, fmt::format("camera {} is open", id));
     case CameraState::kEnded: throw HttpError(409, fmt::format("the recording of camera {} has ended", id));
   }
-  log::info("camera {}: {} asked to open it again", id, request.address);
-  of.events.add(
-      {"camera_reopen_asked", fmt::format("Asked to open camera {} again", id), request.address, id});
+  log::info("camera {}: {} asked to reopen it", id, request.address);
+  of.events.add({"camera_reopen_asked", fmt::format("Asked to reopen camera {}", id), request.address, id});
   return json_response(camera_json(*camera));
 }
 

@@ -51,7 +51,7 @@ void CameraService::tell_what_became(const List& cameras) {
       return before && newest > *before;
     };
     if (has_grown(now.reconnects, camera->health().reconnects))
-      events_.add({"camera_reopened", fmt::format("Camera {} was opened again after a loss", id), "", id});
+      events_.add({"camera_reopened", fmt::format("Camera {} was reopened after a loss", id), "", id});
     if (has_grown(now.reopenings, camera->reopenings()))
       events_.add({"camera_reopened", fmt::format("Camera {} was reopened with other settings", id), "", id});
     if (const auto line = now.losses.look(watch_.timeline().sum(id, 1), steady_s())) {

@@ -19,7 +19,7 @@ std::optional<LentFrame> FreshFrames::next(std::chrono::milliseconds timeout) {
     version_ = frame->version;
     heard_ = now;
   } else if (now - heard_ >= silence_) {
-    throw CaptureError(fmt::format("no image came for {:g} s; is the camera running?",
+    throw CaptureError(fmt::format("no image for {:g} s; is the camera running?",
                                    std::chrono::duration<double>(silence_).count()));
   }
   return frame;
@@ -30,7 +30,7 @@ void add_frame(MeanPicture& mean, const LentFrame& frame) {
   if (mean.add(frame.image)) return;
   throw CaptureError(mean.frames() == 0 ? fmt::format("the camera's images have no colours ({})",
                                                       name_of(frame.image.format))
-                                        : "the camera's images have changed meanwhile; start again");
+                                        : "the camera's images have changed in the meantime; start again");
 }
 
 }  // namespace sslv

@@ -32,7 +32,7 @@ std::optional<LossLog::Line> LossLog::look(const Timeline::Sum& second, double s
   if (counted_.lost() > 0) {
     const Line line{fmt::format(
         "{} of {} images lost in the last {:.0f} s: {} were not processed in time, {} "
-        "came damaged",
+        "arrived damaged",
         counted_.lost(), counted_.all, steady_s - counted_from_s_, counted_.dropped, counted_.incomplete)};
     counted_ = {};
     counted_from_s_ = steady_s;

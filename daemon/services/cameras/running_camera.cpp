@@ -55,7 +55,7 @@ void RunningCamera::LastOpened::hand_over(std::uint64_t number, const Json& sour
   try {
     opened->queue().begin(is_same ? std::move(before) : nullptr);
   } catch (const std::exception& error) {
-    log::warning("camera controls: what was not saved is forgotten: {}", error.what());
+    log::warning("camera controls: unsaved values are dropped: {}", error.what());
   }
 }
 

@@ -110,7 +110,7 @@ CameraNow RunningCameras::get(int camera_id) const {
 std::optional<LentFrame> RunningCameras::wait_frame(int camera_id, std::uint64_t newer_than,
                                                     std::chrono::milliseconds timeout) {
   auto camera = find(camera_id);
-  if (!camera) throw CaptureError("the camera is not in the settings any more");
+  if (!camera) throw CaptureError("the camera is no longer in the settings");
   const auto held = hold_frame(std::move(camera), newer_than, timeout);
   if (!held) return std::nullopt;
   const Frame& frame = *held->hold->frame;

@@ -25,8 +25,8 @@ LentPicture StillService::look(int camera_id, std::optional<int> still) {
   if (still) {
     const auto picture = stills_.find(camera_id, *still);
     if (!picture) {
-      throw HttpError(
-          404, fmt::format("camera {} has no still {}, or not any more: take a new one", camera_id, *still));
+      throw HttpError(404, fmt::format("camera {} has no still {}; it may have expired. Take a new one",
+                                       camera_id, *still));
     }
     return {picture, picture->view, picture->frame_number, picture->t_capture_s};
   }

@@ -39,7 +39,7 @@ StillPictures collect_pictures(FreshFrames frames, int wanted, const JobProgress
     if (!pictures.empty()) {
       const ImageView& first = pictures.front()->view;
       if (first.width != view.width || first.height != view.height || first.format != view.format)
-        throw CaptureError("the camera's images have changed meanwhile; start again");
+        throw CaptureError("the camera's images have changed in the meantime; start again");
     }
     pictures.push_back(std::make_shared<const StillPicture>(view, frame->number, frame->t_capture_s));
     progress.collected(static_cast<int>(pictures.size()), 0);

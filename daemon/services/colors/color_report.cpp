@@ -38,7 +38,7 @@ void add_swapped_alert(std::vector<Alert>& alerts, const ColorFacts& camera) {
       {.id = "colors_swapped",
        .check = "colors",
        .severity = Severity::kBad,
-       .title = fmt::format("Camera {}: the colour table takes {}", camera.camera_id,
+       .title = fmt::format("Camera {}: the colour table mistakes {}", camera.camera_id,
                             fmt::join(camera.swapped_labels, " and ")),
        .fix = "Robots get other ids or teams: learn the colours again, import a table, or undo the change.",
        .page = fmt::format("#/colours/{}", camera.camera_id),

@@ -160,7 +160,7 @@ TableEdit ColorService::read_command(const ColorTables::AtDesk& at, const Json& 
     params_from_json<WidenCommand>(json, path);
     auto surfaces = margins_.surfaces(at.camera.id);
     if (!surfaces) {
-      throw SettingsError(fmt::format("{}: camera {}'s carpet was not seen yet: its margins are not known",
+      throw SettingsError(fmt::format("{}: camera {}'s carpet has not been seen yet: its margins are unknown",
                                       path, at.camera.id));
     }
     return WidenMarginsEdit{std::move(surfaces)};

@@ -68,9 +68,8 @@ void check_labels(const Lut& lut, const std::string& path, const LabelSet& label
   for (std::size_t i = 0; i < occurs.size(); ++i) {
     if (!occurs[i] || labels.has(static_cast<Label>(i))) continue;
     throw SettingsError(
-        fmt::format("{}: the table has cells of label {}, which /own_labels would not have any more; remove "
-                    "it from the table "
-                    "on the Colours page first",
+        fmt::format("{}: the table has cells of label {}, which /own_labels would no longer have; remove it "
+                    "from the table on the Colours page first",
                     path, i));
   }
 }
@@ -240,7 +239,7 @@ class SavedTables::Offered final : public SavedWith {
       try {
         if (old) tables_.put_file(name, *old);
       } catch (const std::exception& error) {
-        log::error("a table of a backup that was refused stays: {}", error.what());
+        log::error("a colour table of a refused backup was not removed: {}", error.what());
       }
       std::error_code error;
       if (!old) std::filesystem::remove(tables_.file_of(name), error);

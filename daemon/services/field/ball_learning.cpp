@@ -88,7 +88,7 @@ void BallLearning::accept(SettingsEditor& settings, const std::string& who) cons
     ++count;
   }
   if (count == 0)
-    throw HttpError(409, "nothing is known of the ball yet: it takes a few kicks that go on undisturbed");
+    throw HttpError(409, "nothing is known about the ball yet: learning needs a few undisturbed kicks");
   const Json patch{{{"op", "add"}, {"path", "/ball_models"}, {"value", std::move(next)}}};
   const auto version = settings.patch(patch, {who, before.revision, "ball model learnt"});
   log::info("settings revision {} saved: ball model learnt from {} kicks and {} chips, by {}",

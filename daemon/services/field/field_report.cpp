@@ -66,7 +66,7 @@ void report_field(const FieldFacts& facts, HealthReport& report) {
          .severity = Severity::kBad,
          .title = fmt::format("The field's thread has hung for {} s{}: there are no tracks",
                               (facts.now_ns - facts.hang->since_ns) / 1'000'000'000, place_text(*facts.hang)),
-         .fix = "The stage has a fault: take it out of the field's stack, then restart the service "
+         .fix = "The stage is faulty: remove it from the field's stack, then restart the service "
                 "(systemctl restart ssl-visiond). Detections are still sent.",
          .page = "#/settings/field"});
   }
@@ -79,9 +79,8 @@ void report_field(const FieldFacts& facts, HealthReport& report) {
          .severity = Severity::kWarn,
          .title = fmt::format("Two other visions send a camera {}: {} and {}", conflict.camera,
                               conflict.instead_of, conflict.address),
-         .fix = fmt::format("Give every camera of the field an id of its own. Until then, {} is left "
-                            "out of the tracks.",
-                            conflict.address),
+         .fix = fmt::format("Give every camera its own id. Until then, tracks ignore camera {} of {}.",
+                            conflict.camera, conflict.address),
          .page = ""});
   }
   report.add_as_one(std::move(twice));
@@ -97,10 +96,10 @@ void report_field(const FieldFacts& facts, HealthReport& report) {
         {.id = "camera_off_time",
          .check = "agreement",
          .severity = Severity::kWarn,
-         .title = fmt::format("Camera {} is left out of the tracks: the time of its images is far from this "
-                              "computer's",
+         .title = fmt::format("Camera {} is left out of the tracks: its image times differ too much from "
+                              "this computer's clock",
                               left_out.camera),
-         .fix = "Set the clocks of all computers of this field by one time server (NTP or PTP).",
+         .fix = "Synchronise the clocks of all computers of this field with one time server (NTP or PTP).",
          .page = "",
          .camera = left_out.camera});
   } else if (left_out.why == LeftOut::Why::kTooMany) {
@@ -111,7 +110,7 @@ void report_field(const FieldFacts& facts, HealthReport& report) {
          .title = fmt::format("Camera {} is left out of the tracks: at most {} cameras are "
                               "tracked",
                               left_out.camera, limits::kMaxCameras),
-         .fix = "Take computers that are not of this field out of field/other_computers.",
+         .fix = "Remove computers that do not belong to this field from field/other_computers.",
          .page = "#/settings/field"});
   }
 }

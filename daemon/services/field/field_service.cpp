@@ -36,7 +36,7 @@ std::string stable_uuid(StateFolder& folder) {
   try {
     folder.write(file, uuid + "\n");
   } catch (const StorageError& error) {
-    log::warning("the tracks' source has another uuid after the next start: {}", error.what());
+    log::warning("the tracks' source will have another uuid after the next start: {}", error.what());
   }
   return uuid;
 }
@@ -152,7 +152,7 @@ void FieldService::look_at_stages() {
     log::error("the field's thread has hung for {} s{}: there are no tracks until the service is restarted",
                (steady_ns() - hung->since_ns) / 1'000'000'000, place_text(*hung));
   } else {
-    log::info("the field's thread goes on");
+    log::info("the field's thread continues");
   }
 }
 
@@ -300,10 +300,10 @@ void FieldService::add_diagnostics(Json& diagnostics) const {
 void FieldService::write_metrics(MetricsText& out) const {
   out.begin("sslv_field_frames_total", "counter", "Images of all cameras that went into the field's tracks.");
   out.add({}, running_.frames());
-  out.begin("sslv_field_lost_total", "counter", "Images that the field's stack did not take in time.");
+  out.begin("sslv_field_lost_total", "counter", "Images that the field's stack did not process in time.");
   out.add({}, intake_.lost());
   const LeftOut left_out = running_.left_out();
-  out.begin("sslv_field_left_out_total", "counter", "What the field left out because it made no sense.");
+  out.begin("sslv_field_left_out_total", "counter", "Invalid data that the field dropped.");
   out.add({{"what", "image_off_time"}}, left_out.images_off_time);
   out.add({{"what", "image_of_too_many_cameras"}}, left_out.images_of_too_many);
   out.add({{"what", "sighting"}}, left_out.sightings);
@@ -311,14 +311,14 @@ void FieldService::write_metrics(MetricsText& out) const {
             "Filters of tracks and of the cameras' agreement that were not finite and were reset.");
   out.add({}, running_.repaired());
   out.begin("sslv_field_latency_seconds", "histogram",
-            "From when a camera handed over what it saw to when tracks were sent.");
+            "From the arrival of a camera's detections to the sending of tracks.");
   out.add({}, running_.latency_total().read());
   out.begin("sslv_field_stage_duration_seconds", "histogram",
             "Time that a stage of the field's stack takes.");
   for (std::size_t i = 0; i < running_.stage_totals().size(); ++i)
     out.add({{"stage", field_stage_table()[i].name}}, running_.stage_totals()[i].read());
   out.begin("sslv_field_senseless_total", "counter",
-            "What a stage of the field's stack made that made no sense, and that was left out.");
+            "Invalid results of a stage of the field's stack that were dropped.");
   for (std::size_t i = 0; i < running_.invalid().size(); ++i) {
     const std::string& stage = field_stage_table()[i].name;
     const InvalidCounts invalid = running_.invalid()[i].read();

@@ -40,7 +40,8 @@ void add_vision_alerts(HealthReport& report, const NetworkFacts& facts) {
     if (!shared_ids.empty()) {
       add(same_camera, "vision_same_camera", Severity::kBad,
           fmt::format("Camera id {} is also sent by {}", joined(shared_ids), other.address),
-          "Teams mix up what the two cameras see: give each its own id, or stop one of the vision services.",
+          "Teams mix up the detections of the two cameras: give each its own id, or stop one of the vision "
+          "services.",
           "#/settings/cameras");
     }
     if (!conflicts.empty()) {
@@ -75,7 +76,7 @@ void add_referee_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
                                            team.name, team.robot_height_mm),
                       .fix =
                           "Measure the height of its pattern. Then set robot_height and name of this team: "
-                          "the name tells that the height is this team's.",
+                          "the name shows that the height is this team's.",
                       .page = "#/field",
                       .about = team.name});
   }
@@ -86,8 +87,8 @@ void add_referee_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
          .severity = Severity::kWarn,
          .title = fmt::format("Two game controllers send: {}, which is followed, and {}",
                               game_controller_text(facts.referee.followed), game_controller_text(*other)),
-         .fix =
-             "Stop the one that is not this field's, or set network/referee to this field's group and port.",
+         .fix = "Stop the one that does not belong to this field, or set network/referee to this field's "
+                "group and port.",
          .page = "#/settings/network/referee"});
   }
 }

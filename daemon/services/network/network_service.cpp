@@ -182,7 +182,8 @@ void NetworkService::write_metrics(MetricsText& out) const {
   const MulticastStatus status = multicast_.status();
   out.begin("sslv_packets_sent_total", "counter", "Packets sent to the vision group.");
   out.add({}, status.packets_sent);
-  out.begin("sslv_send_errors_total", "counter", "Packets that did not leave, or failed one of two ways.");
+  out.begin("sslv_send_errors_total", "counter",
+            "Packets that were not sent, or failed by multicast or broadcast.");
   out.add({}, status.send_errors);
 }
 

@@ -23,8 +23,8 @@ std::string not_heard_because(const PacketFacts& facts) {
   const bool is_broadcast = !facts.sent_by.broadcast.empty() ||
                             !boost::asio::ip::make_address_v4(facts.sent_by.group).is_multicast();
   if (!facts.sent_by.loopback && !is_broadcast) {
-    return "/network/vision/loopback is off, so no program on this computer hears the packets, this service "
-           "neither; teams still get them";
+    return "/network/vision/loopback is off, so no program on this computer receives the packets, not even "
+           "this service; teams still get them";
   }
   return "";
 }

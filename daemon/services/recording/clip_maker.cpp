@@ -150,7 +150,7 @@ bool ClipMaker::write_next(Work& work) {
 }
 
 void ClipMaker::finish(Work& work) {
-  if (!work.has_begun()) throw StorageError("no camera has images of that time in memory");
+  if (!work.has_begun()) throw StorageError("no camera has images from that time in memory");
   double newest_s = 0;
   for (ClipCamera& camera : work.cameras) {
     camera.note_dropped(*work.writer);

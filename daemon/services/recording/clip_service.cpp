@@ -164,12 +164,12 @@ void ClipService::write_left(std::vector<KeptFile> files, const std::stop_token&
   {
     const LastSeconds::Left left = LastSeconds::crash_rings(std::move(files));
     if (!left.rings.empty()) {
-      told = "The service crashed and runs again";
+      told = "The service crashed and was restarted";
       if (config_.load()->recording.clips.on_crash) told += write_crash_clip(left, stop);
     } else if (left.was_read) {
       told =
-          "The service crashed again while it wrote a clip of a crash, and runs again; there is no clip of "
-          "it";
+          "The service crashed again while it wrote a clip of a crash, and was restarted; there is no clip "
+          "of it";
     }
   }
   if (!told.empty()) log::warning("{}", told);
@@ -206,7 +206,7 @@ std::string ClipService::write_crash_clip(const LastSeconds::Left& left, const s
     if (file.is_pinned || ++kept < kMaxCrashClips) continue;
     try {
       if (files_.remove(file.name))
-        log::info("recording {} was removed: it is of an earlier crash", file.name);
+        log::info("recording {} was removed: it is from an earlier crash", file.name);
     } catch (const StorageError& problem) {
       log::warning("{}", problem.what());  // more disk use is better than no new clip
     }
@@ -241,7 +241,7 @@ std::string ClipService::write_crash_clip(const LastSeconds::Left& left, const s
   if (stop.stop_requested()) {
     for (const LastSeconds::Ring& ring : left.rings) ring.ring->put_back();
   } else if (clip.frames > 0) {
-    return fmt::format("; clip {} is not whole: {}", clip.file, clip.problem);
+    return fmt::format("; clip {} is incomplete: {}", clip.file, clip.problem);
   }
   return fmt::format("; there is no clip of it: {}", clip.problem);
 }
@@ -388,7 +388,7 @@ std::optional<SupportRecording> ClipService::support_clip(const std::string& nam
   if (file->is_open) throw HttpError(409, "clip: it is being written; wait until it is done");
   return SupportRecording{files_.path_of(name),
                           "the cameras' images and what was found in them. It shows the people on and around "
-                          "the field: hand it on only if they agree"};
+                          "the field: share it only if they agree"};
 }
 
 void ClipService::report(HealthReport& report) const {

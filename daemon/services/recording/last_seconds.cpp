@@ -124,8 +124,7 @@ void LastSeconds::look(const LastSecondsSettings& settings, double now_s, const 
   std::string problem;
   if (wanted > may) {
     problem = fmt::format(
-        "only {} MB of memory can be taken for them of the {} MB that /recording/last_seconds/memory_mb "
-        "wants",
+        "only {} MB of memory are available for them, not the {} MB of /recording/last_seconds/memory_mb",
         may / kMb, settings.memory_mb);
   }
   {
@@ -194,12 +193,12 @@ LastSeconds::Left LastSeconds::crash_rings(std::vector<KeptFile> files) {
   for (KeptFile& kept : files) {
     const auto id = camera_in(kept.name);
     try {
-      if (!id) throw ClipError("its name is none of last seconds");
+      if (!id) throw ClipError("its name is not that of last seconds");
       auto ring = kept_as(kept.name, std::make_unique<ImageRing>(std::move(kept.file)));
       if (ring->extent().frames > 0) out.rings.push_back({.camera_id = *id, .ring = std::move(ring)});
     } catch (const ClipError& error) {
       out.was_read = out.was_read || dynamic_cast<const RingWasRead*>(&error) != nullptr;
-      log::info("memory of the run before, {}, is not used: {}", kept.name, error.what());
+      log::info("memory of the previous run, {}, is not used: {}", kept.name, error.what());
       forget_file(kept.name);
     }
   }

@@ -104,7 +104,7 @@ fs::path RecordingFiles::begin(const std::string& name, RecordingFile::Kind kind
   const char* const ending = kind == RecordingFile::Kind::kClip ? kClipEnding : ".log.gz";
   std::error_code error;
   fs::create_directories(folder_, error);
-  if (error) throw StorageError(fmt::format("{}: cannot be made: {}", folder_.string(), error.message()));
+  if (error) throw StorageError(fmt::format("{}: cannot be created: {}", folder_.string(), error.message()));
   const std::string begin = fmt::format("{:%Y-%m-%d_%H-%M}_{}", fmt::gmtime(std::time(nullptr)), name);
   for (int number = 1; number < kMaxOfOneName; ++number) {
     const std::string file = begin + (number > 1 ? fmt::format("_{}", number) : "") + ending;
@@ -303,8 +303,7 @@ void RecordingFiles::look_at_log(const fs::path& path, Known& now, const std::st
   // and are not changed.
   if (const fs::path mark = unfinished_mark_of(path); fs::exists(mark)) {
     const RepairedMatchLog repaired = repair_match_log(path, stop);
-    if (!repaired.was_whole)
-      log::warning("{}: was not ended; what was on the disk of it is kept", path.string());
+    if (!repaired.was_whole) log::warning("{}: was not ended; the part on disk is kept", path.string());
     remove_file(mark);
   }
   now.index = std::make_shared<const MatchLogIndex>(match_log_index(path, stop));
@@ -340,7 +339,7 @@ void RecordingFiles::look_after(const std::stop_token& stop, double now_s) {
       if (is_clip(path)) {
         const ClipReader clip(path, stop);  // also reads unfinished clips
         now.clip = std::make_shared<const ClipFacts>(facts_of(clip));
-        if (clip.is_unfinished()) now.problem = "was not ended: what was on the disk of it is kept";
+        if (clip.is_unfinished()) now.problem = "was not ended: the part on disk is kept";
         remove_file(unfinished_mark_of(path));
       } else {
         look_at_log(path, now, stop);

@@ -26,10 +26,10 @@ void report_recording(const RecordingFacts& facts, HealthReport& report) {
     warn_of("recording", id, std::move(title), std::move(fix), report);
   };
   constexpr const char* kMakeRoom =
-      "Delete or download recordings, or let them take more of the disk (Settings, recording).";
+      "Download and delete recordings, or give them more disk space (Settings, recording).";
   if (!facts.problem.empty()) {
     warn("recording_failed", fmt::format("The match is not recorded: {}", facts.problem),
-         "Put that right, then press Record on the page Recordings.");
+         "Fix the cause, then press Record on the Recordings page.");
   } else if (!facts.no_room_problem.empty()) {
     warn("recording_disk", fmt::format("No match can be recorded: {}", facts.no_room_problem), kMakeRoom);
   } else if (!facts.quota_problem.empty()) {
@@ -37,7 +37,7 @@ void report_recording(const RecordingFacts& facts, HealthReport& report) {
   }
   if (!facts.left_out.empty() && facts.problem.empty() && !facts.is_recording && !facts.is_by_hand) {
     warn("recording_stopped", fmt::format("This match is not recorded: {}", facts.left_out),
-         "Press Record on the page Recordings to record the rest of it. The next match is recorded again.");
+         "Press Record on the Recordings page to record the rest of it. The next match is recorded again.");
   }
   if (facts.lost > 0) {
     warn("recording_lost",
@@ -48,26 +48,25 @@ void report_recording(const RecordingFacts& facts, HealthReport& report) {
   constexpr std::uint64_t kStrays = 100;  // a few are harmless
   if (facts.refused > kStrays) {
     warn("recording_refused",
-         fmt::format(
-             "The match log leaves out {} datagrams that somebody sends to the field's groups: they are "
-             "none of the league's messages, or more than a field sends",
-             facts.refused),
-         "Find the program that sends them, and take it off the field's network.");
+         fmt::format("The match log drops {} datagrams sent to the field's groups: they are not the league's "
+                     "messages, or are more than a field sends",
+                     facts.refused),
+         "Find the program that sends them, and remove it from the field's network.");
   }
   if (facts.cut > kStrays) {
     warn("recording_cut",
          fmt::format(
-             "The match log leaves out {} messages of computers that the settings do not name: there is "
-             "little room left for recordings",
+             "The match log drops {} messages from computers that are not in the settings: recordings have "
+             "little space left",
              facts.cut),
-         "Delete recordings, or let them take more of the disk (Settings, recording), or name the computers "
+         "Delete recordings, or give them more disk space (Settings, recording), or list the computers "
          "(Settings, field, other_computers).");
   }
   Check check{"recording", "Match log", CheckState::kPass, kNoFigure, "", ""};
   if (facts.is_recording) {
     check.value = fmt::format("{:.1f}", static_cast<double>(facts.bytes) * 1e-6);
     check.unit = "MB";
-    check.text = facts.is_paused ? "paused: there is a break" : "is recorded";
+    check.text = facts.is_paused ? "paused: there is a break" : "recording";
   } else {
     check.text = facts.is_by_hand ? "off: somebody starts it by hand" : "waits for the game controller";
   }
@@ -78,11 +77,11 @@ void report_last_seconds(const LastSecondsFacts& facts, HealthReport& report) {
   constexpr const char* kCheck = "last_seconds";
   if (!facts.crash.empty()) {
     warn_of(kCheck, "service_crashed", facts.crash,
-            "Report it, with the support bundle (page Diagnostics) and the clip, if there is one.", report);
+            "Report it, with the support bundle (Diagnostics page) and the clip, if there is one.", report);
   }
   if (!facts.clip_problem.empty()) {
     warn_of(kCheck, "clip_failed", fmt::format("A clip was not written: {}", facts.clip_problem),
-            "Put that right, then keep the last seconds again on the page Recordings.", report);
+            "Fix the cause, then keep the last seconds again on the Recordings page.", report);
   }
   if (!facts.problem.empty()) {
     warn_of(

@@ -222,7 +222,7 @@ void RecordingService::end(const std::string& problem) {
   } catch (const StorageError& error) {
     log::warning("{}", error.what());  // the log is complete; look_after() removes the mark
   }
-  log::info("match log {} ends: {} messages, {} bytes, {} lost, {} refused, {} left out for lack of room",
+  log::info("match log {} ends: {} messages, {} bytes, {} lost, {} refused, {} dropped for lack of space",
             before.name(), status.vision + status.referee + status.tracked, status.bytes, status.lost,
             status.refused, status.cut);
   events_.add({.id = "recording_ended", .title = fmt::format("Match log {} ended", before.name())});
@@ -373,9 +373,10 @@ void RecordingService::write_metrics(MetricsText& out) const {
   out.add({}, std::uint64_t{recording().started_by == StartedBy::kNobody ? 0U : 1U});
   out.begin("sslv_match_log_lost_messages", "gauge", "Messages that the match log lacks.");
   out.add({}, recorder_.status().lost);
-  out.begin("sslv_match_log_refused_messages", "gauge",
-            "Datagrams that the match log leaves out: none of the league's, more than a field sends, or of "
-            "strangers when there is little room.");
+  out.begin(
+      "sslv_match_log_refused_messages", "gauge",
+      "Datagrams that the match log drops: not the league's, more than a field sends, or strangers' when "
+      "space is low.");
   out.add({}, recorder_.status().refused + recorder_.status().cut);
 }
 

@@ -191,7 +191,7 @@ Response ReplayService::get_frame(const Request& request) {
 Response ReplayService::get_picture(const Request& request) {
   return with_clip(find(request, RecordingFile::Kind::kClip), request.stop, [&](ClipReader& clip) {
     const ImageView& image = frame_of(clip, request).image;
-    if (image.empty()) throw HttpError(422, "of this frame no image, or only parts of one, were kept");
+    if (image.empty()) throw HttpError(422, "this frame's image was not kept, or only in part");
     return jpeg_response(image, request);
   });
 }
@@ -199,7 +199,7 @@ Response ReplayService::get_picture(const Request& request) {
 Response ReplayService::get_moment(const Request& request) {
   constexpr double kMax_s = 1e6;
   const auto text = request.query.find("time_s");
-  if (text == request.query.end()) throw HttpError(400, "time_s: expected s since the log's beginning");
+  if (text == request.query.end()) throw HttpError(400, "time_s: expected seconds since the log's beginning");
   const double at_s = read_number("time_s", text->second, 0, kMax_s);
   const RecordingFile file = find(request, RecordingFile::Kind::kMatchLog);
   // Only RecordingService's thread makes the index: a log may be long, or may have been crafted to unpack
@@ -239,7 +239,7 @@ Response ReplayService::start_comparison(const Request& request) {
     if (!body.contains("camera")) order.camera_id = static_cast<int>(cameras.front().id);
     const auto* camera = clip.camera(static_cast<std::uint32_t>(order.camera_id));
     if (order.camera_id < 0 || camera == nullptr)
-      throw HttpError(400, "/camera: expected the id of a camera that the clip has");
+      throw HttpError(400, "/camera: expected the id of a camera in the clip");
     order.frames = camera->frames.size();
     return Response{};
   });
@@ -247,7 +247,7 @@ Response ReplayService::start_comparison(const Request& request) {
   if (order.with == With::kSettingsNow) order.table = cameras_.get(order.camera_id).context().adapted_lut;
   if (order.with == With::kLearntColors) {
     order.table = learnt_table_(order.camera_id);
-    if (!order.table) throw HttpError(409, "no learnt colours wait to be accepted for this camera");
+    if (!order.table) throw HttpError(409, "this camera has no learnt colours to accept");
   }
   {
     const std::lock_guard lock(mutex_);

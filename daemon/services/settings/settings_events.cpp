@@ -62,7 +62,7 @@ Event event_of(const SettingsStep& step) {
     event.title = fmt::format("U{} of the settings: {}", what.substr(1), places);
   } else if (is("reload of ")) {
     event.id = "settings_reloaded";
-    event.title = "Settings file read again: " + places;
+    event.title = "Settings file reloaded: " + places;
   } else if (!what.empty()) {
     event.title = fmt::format("Settings changed, {}: {}", what, places);
   }

@@ -17,8 +17,8 @@ void report_settings(const SettingsFacts& facts, HealthReport& report) {
                              .page = page});
   };
   if (!facts.start_problem.empty()) {
-    warn("settings_rejected", facts.start_problem,
-         "Look through the settings and save what is missing again.", "#/settings");
+    warn("settings_rejected", facts.start_problem, "Check the settings and save what is missing again.",
+         "#/settings");
   }
   if (!facts.save_problem.empty()) {
     warn("settings_not_saved",

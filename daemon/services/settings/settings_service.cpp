@@ -138,7 +138,7 @@ void SettingsService::reload() {
       log::info("settings revision {} saved: settings file reloaded", version.revision);
     }
   } catch (const std::exception& error) {
-    log::error("settings file not reloaded, the settings before stay in effect: {}", error.what());
+    log::error("settings file not reloaded, the previous settings stay in effect: {}", error.what());
   }
 }
 

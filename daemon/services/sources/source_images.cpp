@@ -32,7 +32,7 @@ CapturedImage wait_image(Source& camera) {
     const double now_s = steady_s();
     if (first_s && now_s - *first_s > kSettles_s) return newest;
     if (!first_s && now_s - opened_s > kFirstImageWithin_s) {
-      throw CaptureError(fmt::format("it was opened, but no image came within {:g} s{}{}",
+      throw CaptureError(fmt::format("it was opened, but no image arrived within {:g} s{}{}",
                                      kFirstImageWithin_s, problem.empty() ? "" : ": ", problem));
     }
     CapturedImage image;

@@ -145,8 +145,8 @@ void UploadedImages::check_room(const fs::path& file, std::size_t bytes) const {
   for (const Folder& folder : all) sum += folder.bytes;
   if (sum > kMaxBytes) {
     throw SettingsError(
-        fmt::format("there is room for {} MiB of images, and this one does not fit in; remove "
-                    "a folder of images first",
+        fmt::format("there is space for {} MiB of images, and this one does not fit; remove a "
+                    "folder of images first",
                     kMaxBytes >> 20U));
   }
   const fs::path folder_path = file.parent_path();
@@ -170,7 +170,7 @@ void UploadedImages::check_readable(const std::string& name, std::string_view by
   }
   const std::int64_t pixels = pixels_of(bytes, type);
   if (pixels == 0)
-    throw SettingsError(fmt::format("{}: this is not an image, or not all of one", shortened(name)));
+    throw SettingsError(fmt::format("{}: this is not an image, or only part of one", shortened(name)));
   if (pixels > kMaxPixels) {
     throw SettingsError(fmt::format("{}: the image has more than {} million pixels", shortened(name),
                                     kMaxPixels / 1'000'000));

@@ -62,7 +62,7 @@ void report_computer(const ComputerFigures& computer, const std::optional<ClockF
       warn("disk_full", "computer",
            fmt::format("The disk of {} is nearly full: {:.0f} MB are free", disk->folder.string(),
                        static_cast<double>(disk->free_bytes) * 1e-6),
-           "Settings cannot be saved on a full disk: delete what is not needed.", "#/diagnostics");
+           "Settings cannot be saved on a full disk: delete files that are not needed.", "#/diagnostics");
     }
   }
   if (static_cast<double>(computer.memory_available_bytes) <

@@ -38,7 +38,7 @@ void Heartbeat::beat(const std::stop_token& stop) noexcept {
     try {
       act();
     } catch (const std::exception& error) {  // the other calls are still made
-      log::error("once a second: {}", error.what());
+      log::error("a task that runs once a second failed: {}", error.what());
     }
   };
   for (Service* service : services_) {

@@ -66,7 +66,7 @@ void HistoryKeeper::load() {
 void HistoryKeeper::begin(EventHistory::Now now) {
   const bool is_crash = !is_first_ && !ended_well_;
   std::string title = fmt::format("The service started, version {}", kVersion);
-  if (is_crash) title += "; the run before it ended without a stop";
+  if (is_crash) title += "; the previous run ended without a stop";
   history_.add({is_crash ? "service_restarted" : "service_started", std::move(title)}, now);
   has_started_ = true;
 }

@@ -63,7 +63,7 @@ StatusService::~StatusService() {
   try {
     history_.look(make_report(nullptr).alerts, take_all_events());  // alerts and events of the last second
   } catch (const std::exception& error) {
-    log::error("the end of the history: {}", error.what());
+    log::error("the last alerts and events were not saved: {}", error.what());
   }
 }
 
@@ -182,12 +182,11 @@ void StatusService::write_metrics(MetricsText& out) const {
   out.begin("sslv_preview_clients", "gauge", "Panels and other viewers connected by WebSocket.");
   out.add({}, static_cast<double>(web_.viewers.load()));
   out.begin("sslv_web_unsent_total", "counter",
-            "Answers, images and requests that were dropped because too much waited for slow clients.");
+            "Answers, images and requests that were dropped because too many waited for slow clients.");
   out.add({}, web_.unsent.load());
   const std::lock_guard lock(mutex_);
   if (!clock_) return;
-  out.begin("sslv_clock_offset_seconds", "gauge",
-            "What the kernel still has to correct of the computer's clock.");
+  out.begin("sslv_clock_offset_seconds", "gauge", "Clock error that the kernel still has to correct.");
   out.add({}, clock_->offset_ms * 1e-3);
   out.begin("sslv_clock_synchronized", "gauge", "1 while the kernel says that the clock is synchronised.");
   out.add({}, std::uint64_t{clock_->synchronised});

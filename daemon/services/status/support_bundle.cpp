@@ -30,9 +30,8 @@ Response support_bundle(const std::vector<SupportFile>& files,
   const std::time_t now = std::time(nullptr);
   const std::string folder = fmt::format("ssl-visiond-{}-{:%Y%m%d-%H%M%S}", host_name(), fmt::gmtime(now));
   std::string readme = fmt::format(
-      "What ssl-visiond on this computer was like at {:%Y-%m-%d %H:%M:%S} UTC, for a bug report. Look "
-      "through it\n"
-      "before you hand it on: it has images of the hall, addresses of clients and every setting.\n\n",
+      "State of ssl-visiond on this computer at {:%Y-%m-%d %H:%M:%S} UTC, for a bug report. Check it\n"
+      "before you share it: it contains images of the hall, addresses of clients and every setting.\n\n",
       fmt::gmtime(now));
   std::vector<TarEntry> entries(1);
   for (const SupportFile& file : files) {

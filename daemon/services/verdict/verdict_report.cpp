@@ -74,15 +74,14 @@ void report_lost(const VerdictFacts& facts, HealthReport& report) {
        .severity = are_many || (at_once >= 2 && at_once >= seen) ? Severity::kBad : Severity::kWarn,
        .title = fmt::format("{} {} no longer seen, the last at {}", names_of(field.lost),
                             is_one ? "is" : "are", place_text(newest.place_mm)),
-       .fix =
-           is_one
-               ? "Look at its pattern and at the light there. If it was taken off the field, this goes away "
-                 "after a minute."
-               : fmt::format(
-                     "Look at light, colours and cameras. If they were taken off the field, this goes "
-                     "away {}.",
-                     are_many && facts.match_runs ? "when fewer than three are missing, or when the half ends"
-                                                  : "after a minute"),
+       .fix = is_one ? "Check its pattern and the light there. If it was taken off the field, this alert "
+                       "ends after a minute."
+                     : fmt::format(
+                           "Check light, colours and cameras. If they were taken off the field, this alert "
+                           "ends {}.",
+                           are_many && facts.match_runs
+                               ? "when fewer than three are missing, or when the half ends"
+                               : "after a minute"),
        .page = "#/"});
 }
 
@@ -97,14 +96,15 @@ void report_none(const VerdictFacts& facts, HealthReport& report) {
   }
   if (none.empty()) return;
   const bool is_one = none.size() == 1;
-  add(report, {.id = "robots_none",
-               .check = "robots",
-               .severity = is_one ? Severity::kWarn : Severity::kBad,
-               .title = fmt::format("No {}robot is seen while a match is played",
-                                    is_one ? fmt::format("{} ", name_of(none[0])) : ""),
-               .fix = "Look at the images: at light, colours and cameras. If the robots were taken off the "
-                      "field, this goes away when they are back, or in a HALT.",
-               .page = "#/"});
+  add(report,
+      {.id = "robots_none",
+       .check = "robots",
+       .severity = is_one ? Severity::kWarn : Severity::kBad,
+       .title = fmt::format("No {}robot is seen while a match is played",
+                            is_one ? fmt::format("{} ", name_of(none[0])) : ""),
+       .fix = "Check light, colours and cameras in the images. If the robots were taken off the field, "
+              "this alert ends when they are back, or in a HALT.",
+       .page = "#/"});
 }
 
 void report_ball(const VerdictFacts& facts, HealthReport& report) {
@@ -116,8 +116,8 @@ void report_ball(const VerdictFacts& facts, HealthReport& report) {
        .check = "robots",
        .severity = Severity::kWarn,
        .title = "The ball is no longer seen",
-       .fix = "Look at the light and at the colour orange. If the ball was taken off the field, this goes "
-              "away after a minute.",
+       .fix = "Check the light and the colour orange. If the ball was taken off the field, this alert ends "
+              "after a minute.",
        .page = "#/colours"});
 }
 
@@ -144,7 +144,7 @@ void report_roster(const VerdictFacts& facts, HealthReport& report) {
                  .severity = Severity::kWarn,
                  .title = fmt::format("{} {} of the roster {} not seen", name_of(team),
                                       fmt::join(missing, ", "), missing.size() == 1 ? "is" : "are"),
-                 .fix = "Put them on the field, or take them out of the ids that play (teams).",
+                 .fix = "Put them on the field, or remove them from the ids that play (teams).",
                  .page = "#/settings/teams",
                  .about = name_of(team)});
   }
@@ -164,8 +164,8 @@ void report_allowed(const VerdictFacts& facts, HealthReport& report) {
          .severity = Severity::kWarn,
          .title = fmt::format("{}: {} seen, the game controller allows {}", name_of(team),
                               seen == 1 ? "1 robot is" : fmt::format("{} robots are", seen), *allowed),
-         .fix = is_few ? "Put the others on the field. If this team plays with fewer, name their ids "
-                         "(teams): then these are expected."
+         .fix = is_few ? "Put the others on the field. If this team plays with fewer, list their ids "
+                         "(teams): then only these are expected."
                        : "Take the others off the field, or behind their own goal into the substitution "
                          "area, or correct the game controller.",
          .page = "#/settings/teams",
@@ -182,7 +182,8 @@ void report_doubles(const VerdictFacts& facts, HealthReport& report) {
          .severity = Severity::kBad,
          .title = fmt::format("Two robots are {}: at {} and at {}", name, place_text(robot.places_mm[0]),
                               place_text(robot.places_mm[1])),
-         .fix = "Give one of them another id. If there is only one such robot, calibrate the cameras again.",
+         .fix =
+             "Give one of them a different id. If there is only one such robot, calibrate the cameras again.",
          .page = "#/",
          .about = name});
   }
@@ -196,7 +197,7 @@ void report_size(const VerdictFacts& facts, HealthReport& report) {
         {.id = "field_size",
          .check = "agreement",
          .severity = Severity::kBad,
-         .title = fmt::format("Camera {}: the painted lines suit {} ({:g} x {:g} m), not the field's sizes "
+         .title = fmt::format("Camera {}: the painted lines match {} ({:g} x {:g} m), not the field's sizes "
                               "({:g} x {:g} m)",
                               id, lines.better_size->help, better.field_length * 1e-3,
                               better.field_width * 1e-3, ours.field_length * 1e-3, ours.field_width * 1e-3),
@@ -252,7 +253,7 @@ void report_coverage(const VerdictFacts& facts, HealthReport& report) {
     add(report, {.id = "mask_hides_all",
                  .check = "coverage",
                  .severity = Severity::kBad,
-                 .title = fmt::format("Camera {} looks at nothing: its mask hides the whole image", id),
+                 .title = fmt::format("Camera {} sees nothing: its mask hides the whole image", id),
                  .fix = "Remove polygons on its page, or set mask/beyond_boundary to null.",
                  .page = fmt::format("#/camera/{}", id),
                  .camera = id});
@@ -267,7 +268,7 @@ void report_coverage(const VerdictFacts& facts, HealthReport& report) {
   add(report, {.id = "field_uncovered",
                .check = "coverage",
                .severity = share > kUncoveredBadShare ? Severity::kBad : Severity::kWarn,
-               .title = fmt::format("No camera looks at {:.0f} % of the field, around {}", 100 * share,
+               .title = fmt::format("No camera sees {:.0f} % of the field, around {}", 100 * share,
                                     place_text(sum / static_cast<double>(uncovered.size()))),
                .fix = "Turn the cameras, use wider lenses, or remove masks that cover the field.",
                .page = "#/field"});
@@ -290,11 +291,11 @@ Check check_robots(const VerdictFacts& facts) {
   const bool is_ball_seen = field.ball || field.ball_gone_s;  // or the ball is hidden for a moment
   if (ids[0].empty() && ids[1].empty()) {
     check.state = CheckState::kWarn;
-    check.text = is_ball_seen ? "a ball, but no robot: put some on the field to see that they are found"
-                              : "nothing is seen: put robots on the field to see that they are found";
+    check.text = is_ball_seen ? "a ball, but no robot: put some on the field to check that they are detected"
+                              : "nothing is seen: put robots on the field to check that they are detected";
   } else if (!is_ball_seen) {
     check.state = CheckState::kWarn;
-    check.text = "no ball is seen: put one on the field to see that it is found";
+    check.text = "no ball is seen: put one on the field to check that it is detected";
   }
   return check;
 }

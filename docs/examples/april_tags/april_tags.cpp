@@ -40,12 +40,14 @@ class AprilTags {
     std::array<int, 2> robot_tags{0, 15};
     static constexpr auto fields() {
       return std::tuple{
-          choice("family", &Params::family, kFamilies, "which tags are looked for"),
-          number("decimate", &Params::decimate, 1.0, 4.0, "", "looks for edges in so much smaller an image"),
-          number("min_margin", &Params::min_margin, 0.0, 255.0, "", "how clear bits must be, grey levels"),
-          number("height_mm", &Params::height_mm, 0.0, 10'000.0, "mm", "of tags that are not on robots"),
-          choice("team", &Params::team, kTeams, "whose robots wear tags; null: nobody's"),
-          range("robot_tags", &Params::robot_tags, 0, 586, "", "those of robots: the first is on robot 0")};
+          choice("family", &Params::family, kFamilies, "tag family to detect"),
+          number("decimate", &Params::decimate, 1.0, 4.0, "", "image scale divisor for edge detection"),
+          number("min_margin", &Params::min_margin, 0.0, 255.0, "",
+                 "minimum contrast of a tag's bits, grey levels"),
+          number("height_mm", &Params::height_mm, 0.0, 10'000.0, "mm",
+                 "height of tags that are not on robots"),
+          choice("team", &Params::team, kTeams, "team whose robots wear tags; null: no team"),
+          range("robot_tags", &Params::robot_tags, 0, 586, "", "tag ids of robots; the first is on robot 0")};
     }
   };
   AprilTags() { look_for(Family::k36h11); }
@@ -55,7 +57,7 @@ class AprilTags {
                Update<RobotList> robots, TagList& list, StageNotes& notes) noexcept {
     const ImageView& view = image.view();
     if (!scene.camera || std::min(view.width, view.height) < 32)  // AprilTag cannot handle smaller images
-      return notes.say("needs a calibrated camera, and an image larger than this one");
+      return notes.say("needs a calibrated camera and an image of at least 32 x 32 pixels");
     if (params.family != family_) look_for(params.family);
     detector_->quad_decimate = static_cast<float>(params.decimate);
     copy_grey(view, grey_);
@@ -140,7 +142,8 @@ class TagCorners {
       text_ += line.data();
       most_mm = std::max(most_mm, std::hypot(dx_mm, dy_mm));
     }
-    most_mm > params.max_off_mm ? notes.warn(text_) : notes.say(text_.empty() ? "sees no corner" : text_);
+    most_mm > params.max_off_mm ? notes.warn(text_)
+                                : notes.say(text_.empty() ? "no corner tag in view" : text_);
   }
 
  private:

@@ -127,13 +127,13 @@ def main():
         sys.exit(__doc__)
     patches, labels = read_patches(pathlib.Path(sys.argv[1]), sys.argv[2])
     if not 0 < labels.sum() < len(labels):
-        sys.exit(f"{len(labels)} patches, {int(labels.sum())} of balls: there must be balls and others")
+        sys.exit(f"{len(labels)} patches, {int(labels.sum())} of balls: both balls and other objects are needed")
     # Every fifth patch is not used for training, but to measure the network on unseen data.
     is_apart = np.arange(len(labels)) % 5 == 0
     weights = train(*turned(patches[~is_apart], labels[~is_apart]))
     right = (run(weights, patches[is_apart])[1] > 0.5) == (labels[is_apart] > 0)
     print(f"{len(labels)} patches, {int(labels.sum())} of balls;", end=" ")
-    print(f"of {len(right)} kept apart, {right.mean():.1%} are judged right")
+    print(f"of {len(right)} held out, {right.mean():.1%} are classified correctly")
     pathlib.Path(sys.argv[3]).write_bytes(onnx(weights))
 
 

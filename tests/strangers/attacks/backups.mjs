@@ -92,7 +92,7 @@ export const FORGED = {
 
 export default {
   name: 'forged backups',
-  about: 'an admin checks files that somebody sent: sparse, of many files, of JSON that fills memory, mutations',
+  about: 'an admin checks forged backups: sparse, with many files, with JSON that needs much memory, mutations',
   async run({ ask, random, isOver, pause, check }) {
     const { admin } = await ask.cookies();
     while (!isOver()) {

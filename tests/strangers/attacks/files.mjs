@@ -27,7 +27,7 @@ function make(folder, random) {
 
 export default {
   name: 'files in the recordings\' folder',
-  about: 'clips and logs that are none, sparse or packed many times over: listed, asked for, and for their events and moments',
+  about: 'invalid, sparse or deeply compressed clips and logs: requests for lists, files, events and moments',
   async run({ ask, random, recordings, isOver, pause }) {
     const { admin } = await ask.cookies();
     const files = make(recordings, random);

@@ -28,7 +28,7 @@ const KNOWN = [
 
 export default {
   name: 'GigE packets',
-  about: 'forged leaders, trailers and blocks for the stream of a camera, of this computer and of others',
+  about: 'forged leaders, trailers and blocks for a camera\'s stream, from this computer and from others',
   async run({ socketAt, random, gige, isOver, pause }) {
     const sockets = [await socketAt('127.0.0.1'), await socketAt('127.0.0.66')];
     const [asker] = sockets;

@@ -64,7 +64,7 @@ async function attackWithoutPasswords({ random, isOver, pause, check }) {
 
 export default {
   name: 'half requests and nonsense',
-  about: 'connections that never send a whole request, requests that are none, WebSocket frames that are none; also of a service without passwords',
+  about: 'connections that never send a whole request, invalid requests and WebSocket frames; also to a service without passwords',
   async run(context) {
     const { panel } = context;
     await Promise.all([attack(panel.outside, panel.port, [...REQUESTS, () => HALF_BODY], context), attackWithoutPasswords(context)]);

@@ -5,7 +5,7 @@ const ASIDE_MM = 100, HELD_UP_MS = 300;
 
 export default {
   name: 'another computer, 100 mm off',
-  about: 'repeats our robots and ball as sightings of cameras of its own, 100 mm aside and by turns held up for 300 ms',
+  about: 'repeats our robots and ball as sightings of its own cameras, 100 mm aside and alternately delayed by 300 ms',
   async run({ socketAt, vision, ownFrames, isOver, pause }) {
     const { send } = await socketAt('127.0.0.81');
     let frame = 0;

@@ -5,7 +5,7 @@ import { detection, geometry, tracked } from '../wire.mjs';
 
 export default {
   name: 'another subnet',
-  about: 'sightings, tracks and a game controller, by the card of the field, from an address that is not of its subnet',
+  about: 'sightings, tracks and a game controller on the field\'s network card, from an address outside its subnet',
   async run({ socketAt, random, vision, tracker, referee, panel, isOver, pause, check }) {
     const { send } = await socketAt(panel.outside);
     let arrived = 0;

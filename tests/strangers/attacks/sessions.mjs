@@ -4,7 +4,7 @@ const opened = []; // cookies from all parts of a run: an address can open only 
 
 export default {
   name: 'sessions and passwords',
-  about: 'wrong passwords, and as many sessions with the viewers\' as there may be; the admin who signed in before stays so',
+  about: 'wrong passwords, and the maximum number of viewer sessions; the admin must stay signed in',
   async run({ ask, passwords, isOver, pause, check, random }) {
     const { admin } = await ask.cookies();
     for (let round = 0; !isOver(); ++round) {

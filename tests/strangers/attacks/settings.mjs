@@ -13,7 +13,7 @@ const BODIES = [
 
 export default {
   name: 'bodies that fill memory',
-  about: 'an admin\'s browser is made to send what copies itself, nests, is long or takes much memory: tried, not saved',
+  about: 'an admin\'s browser sends patches that copy themselves, nest deeply, are long or need much memory: checked, not saved',
   async run({ ask, random, isOver, pause, check }) {
     const { admin } = await ask.cookies();
     while (!isOver()) {

@@ -3,7 +3,7 @@ import { tracked } from '../wire.mjs';
 
 export default {
   name: 'tracker packets',
-  about: 'kicks whose time is no number, tracks of other sources, random datagrams at full speed, empty ones',
+  about: 'kicks with non-finite times, tracks of other sources, random datagrams at full speed, empty datagrams',
   async run({ socketAt, random, tracker, isOver, pause }) {
     const sockets = await Promise.all(['127.0.0.91', '127.0.0.92'].map((address) => socketAt(address)));
     let frame = 0;

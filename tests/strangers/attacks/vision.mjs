@@ -30,7 +30,7 @@ function* aside(random) {
 
 export default {
   name: 'vision packets',
-  about: 'numbers that divide by nothing, 64 and more cameras, what is no number, cameras of the same id, mutations of all that',
+  about: 'numbers that cause division by zero, 64 and more cameras, non-finite numbers, duplicate camera ids, mutations',
   async run({ socketAt, random, vision, isOver, pause }) {
     const sockets = await Promise.all(['127.0.0.71', '127.0.0.72', '127.0.0.73'].map((address) => socketAt(address)));
     while (!isOver()) {

@@ -41,7 +41,7 @@ TEST(Base64, WhiteSpaceMayBeAnywhere) {
   EXPECT_EQ(from_base64("\n\t Zm9v\r\nYm Fy\n"), bytes_of("foobar"));
 }
 
-TEST(Base64, RefusesWhatWasCutOffOrIsSomethingElse) {
+TEST(Base64, RefusesTruncatedAndInvalidText) {
   for (const char* bad : {"Z", "Zm9", "Zg=", "Zg===", "Z===", "Zg==Zg==", "Zm9v!", "Zm=9", "====", "Zm9vä"}) {
     EXPECT_FALSE(from_base64(bad)) << bad;
   }

@@ -18,7 +18,7 @@ TEST(Handover, TheUserSeesTheNewestValue) {
   EXPECT_EQ(*value.load(), 2);
 }
 
-TEST(Handover, AValueInUseStaysUntilTheUserHasLeftItAndAnotherLooks) {
+TEST(Handover, AValueInUseIsFreedByTheNextReaderAfterItsUserLeft) {
   auto first = std::make_shared<int>(1);
   const std::weak_ptr<int> seen = first;
   Handover<std::shared_ptr<int>> value(std::move(first));

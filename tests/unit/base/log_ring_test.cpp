@@ -25,13 +25,13 @@ TEST(LogRing, NumbersLinesAndGivesThoseThatAreNew) {
   EXPECT_TRUE(ring.newer_than(2, Level::kDebug).lines.empty());
 }
 
-TEST(LogRing, GivesAllToOneWhoAsksWithANumberOfAnEarlierRun) {
+TEST(LogRing, ReturnsAllForANumberOfAnEarlierRun) {
   LogRing ring;
   ring.add(0, Level::kInfo, "one");
   EXPECT_EQ(ring.newer_than(77, Level::kDebug).lines.size(), 1u);
 }
 
-TEST(LogRing, LeavesOutWhatIsLessSevere) {
+TEST(LogRing, OmitsLessSevereLines) {
   LogRing ring;
   for (const Level level : {Level::kDebug, Level::kInfo, Level::kWarning, Level::kError})
     ring.add(0, level, name_of(level));

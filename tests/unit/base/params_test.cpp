@@ -123,7 +123,7 @@ TEST(Params, CommentsAreIgnoredInEveryObject) {
   EXPECT_EQ(sample.origin.x, 2);
 }
 
-TEST(Params, TextsAreShownAsWhatTheyAre) {
+TEST(Params, ControlCharactersAreRefusedAndEscaped) {
   EXPECT_EQ(error_of(R"({"title": "lo\u0000;id"})"),
             R"(/camera/title: "lo\u0000;id" is not allowed; expected a text without control characters and )"
             "without characters that change the direction of writing");
@@ -139,7 +139,7 @@ struct Secret {
   static constexpr auto fields() { return std::tuple{secret("word", &Secret::word, "hidden")}; }
 };
 
-TEST(Params, SecretsMayBeAnythingAndAreNotShown) {
+TEST(Params, SecretsMayBeAnyTextAndAreHidden) {
   EXPECT_EQ(params_from_json<Secret>(Json{{"word", "a\u202e\n"}}, "").word, "a\u202e\n");
   try {
     params_from_json<Secret>(Json{{"word", 12345678}}, "");
@@ -266,7 +266,7 @@ std::string bounded_error_of(const Json& json) {
   return "no error";
 }
 
-TEST(Params, EverythingHasAnEnd) {
+TEST(Params, LengthsAreLimited) {
   EXPECT_EQ(bounded_error_of({{"name", "größe"},
                               {"file_name", std::string(4095, 'f')},
                               {"points", {Json::object(), Json::object()}},
@@ -297,7 +297,7 @@ TEST(Params, EverythingHasAnEnd) {
                   testing::ResultOf([](const std::string& text) { return text.size(); }, testing::Lt(200U))));
 }
 
-TEST(Params, SchemaSaysWhereTheEndIs) {
+TEST(Params, SchemaHasTheLimitsOfLengths) {
   const Json schema = params_schema<Bounded>()["properties"];
   EXPECT_EQ(schema["name"]["maxLength"], 5);
   EXPECT_EQ(schema["file_name"]["maxLength"], 4095);
@@ -311,7 +311,7 @@ TEST(Params, SchemaSaysWhereTheEndIs) {
   EXPECT_EQ(params_schema<Sample>()["properties"]["points"]["maxItems"], kMaxListItems);
 }
 
-TEST(Errors, AreLinesThatSomebodyCanRead) {
+TEST(Errors, AreShortened) {
   EXPECT_EQ(shortened("short"), "short");
   EXPECT_EQ(shortened("0123456789", 10), "0123456789");
   EXPECT_EQ(shortened("0123456789x", 10), "0123456...");

@@ -40,7 +40,7 @@ TEST(PlainText, IsAnyWritingInOneLine) {
     EXPECT_TRUE(is_plain_text(text)) << text;
 }
 
-TEST(PlainText, HasNoCharactersThatAreObeyedOrMoveOthers) {
+TEST(PlainText, HasNoControlOrDirectionCharacters) {
   for (const std::string& bad : kNotPlain) {
     EXPECT_FALSE(is_plain_text("a" + bad + "b")) << escaped_text(bad);
     EXPECT_TRUE(is_plain_text(escaped_text("a" + bad + "b"))) << escaped_text(bad);

@@ -50,12 +50,12 @@ TEST(Seqlock, ReadersSeeAWholeValue) {
   writer.join();
 }
 
-TEST(Seqlock, AReaderThatIsHeldDelaysNoWriter) {
+TEST(Seqlock, APausedReaderDelaysNoWriter) {
   Seqlock<Figures> value;
   expect_never_waits([&] { (void)value.load(); }, [&] { value.store(Figures{}); });
 }
 
-TEST(Seqlock, AWriterThatIsHeldDelaysNoReaderThatOnlyTries) {
+TEST(Seqlock, APausedWriterDelaysNoTryLoad) {
   Seqlock<Figures> value;
   expect_never_waits([&] { value.store(Figures{}); }, [&] { (void)value.try_load(); });
 }

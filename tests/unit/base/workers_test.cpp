@@ -32,7 +32,7 @@ TEST(Workers, DoEveryPartOnce) {
   }
 }
 
-TEST(Workers, GoOnWithTheThreadsThatTheSystemGives) {
+TEST(Workers, ContinueWithFewerThreads) {
   for (const int given : {0, 1, 2}) {
     int asked = 0;
     Workers workers(3, [&](auto serve) {

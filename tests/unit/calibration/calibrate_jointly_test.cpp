@@ -117,7 +117,7 @@ TEST_F(CalibrateJointly, WithoutRobotsOnlyLinesTie) {
   EXPECT_THAT(report.notes, ElementsAre(HasSubstr("Put robots where the cameras overlap")));
 }
 
-TEST_F(CalibrateJointly, FindsOutWhatTheSizesWereMeasuredToAndHowLensesBend) {
+TEST_F(CalibrateJointly, EstimatesLensesAndWhatSizesWereMeasuredTo) {
   PaintedFloor floor;
   floor.field = floor_field(kSize);
   floor.measured = LinesMeasured::kToOuterEdge;
@@ -146,7 +146,7 @@ TEST_F(CalibrateJointly, RobotsOfAnotherHeightAreNoticed) {
   const JointReport report = calibrate_jointly(asked);
   ASSERT_TRUE(report.found);
   EXPECT_FALSE(report.accepted);
-  EXPECT_THAT(report.problems, Each(HasSubstr("robot heights are wrong")));
+  EXPECT_THAT(report.problems, Each(HasSubstr("are the teams' robot heights")));
   EXPECT_LT(overlap_mm(report, 0), 2) << "lines keep the floor where it is";
 }
 
@@ -166,7 +166,7 @@ TEST_F(CalibrateJointly, ACalibrationForAnotherPictureIsNamed) {
   EXPECT_THAT(report.problems, ElementsAre(HasSubstr("Camera 3 sends 390 x 290 pixels")));
 }
 
-TEST_F(CalibrateJointly, OneCameraHasNobodyToAgreeWith) {
+TEST_F(CalibrateJointly, NeedsTwoCameras) {
   JointTask asked = task();
   asked.cameras.pop_back();
   const JointReport report = calibrate_jointly(asked);

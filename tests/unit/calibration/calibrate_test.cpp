@@ -182,7 +182,7 @@ TEST(Calibrate, TakesClicksInAnyOrder) {
   const CalibrationReport report = calibrate(half().picture, task);
   EXPECT_TRUE(report.accepted);
   EXPECT_LT(half().floor_error_mm(report), 0.15);
-  EXPECT_THAT(report.notes, Contains(HasSubstr("others than were named")));
+  EXPECT_THAT(report.notes, Contains(HasSubstr("did not match their names")));
 }
 
 TEST(Calibrate, TakesAnyNamedPointsAndPlacesInMillimetres) {
@@ -242,7 +242,7 @@ TEST(Calibrate, AWrongClickIsNamedAndDoesNoHarm) {
   }
 }
 
-TEST(Calibrate, SaysWhatTheViewDoesNotShow) {
+TEST(Calibrate, NamesUnobservableParameters) {
   const Shot shot = take({kSmall, FloorView::kHalf, 0, 0.08, 0});
   const CalibrationReport report = calibrate(shot.picture, clicked(shot, kHalfCorners));
   EXPECT_TRUE(report.accepted);
@@ -422,7 +422,7 @@ TEST(Calibrate, ComparesWithThePreviousOne) {
   EXPECT_LT(*second.moved_on_floor_mm, 30);
 }
 
-TEST(Calibrate, RefusesClicksThatSayNothing) {
+TEST(Calibrate, RefusesTooFewAndUnknownClicks) {
   CalibrationTask task = clicked(half(), kHalfCorners);
   task.clicks.pop_back();
   EXPECT_THROW(calibrate(half().picture, task), SettingsError);
@@ -437,7 +437,7 @@ TEST(Calibrate, RefusesClicksThatSayNothing) {
   }
 }
 
-TEST(Calibrate, EndsWhenTold) {
+TEST(Calibrate, StopsOnRequest) {
   std::stop_source source;
   source.request_stop();
   const CalibrationReport report =

@@ -38,7 +38,7 @@ TEST(CalibrationRequest, ABareListIsThePoints) {
   EXPECT_EQ(request.frames, 10);
 }
 
-TEST(CalibrationRequest, NothingSaidIsNothingForced) {
+TEST(CalibrationRequest, AnEmptyRequestForcesNothing) {
   const CalibrationTask task = make_task(read_calibration_request(Json::object()), FieldSize{}, {});
   EXPECT_TRUE(task.clicks.empty());
   EXPECT_EQ(task.plus_x, PlusX::kUnknown);
@@ -77,7 +77,7 @@ TEST(CalibrationRequest, ErrorsNameKeyValueAndWhatIsAllowed) {
   EXPECT_THAT(error_of("7"), HasSubstr("expected an object"));
 }
 
-TEST(CalibrationReport, HoldsEveryFigureAndNoNumberThatIsNone) {
+TEST(CalibrationReport, HoldsEveryFigureAndNullForNonFiniteOnes) {
   CalibrationReport report;
   report.found = report.accepted = true;
   report.calibration.focal_length = 601;

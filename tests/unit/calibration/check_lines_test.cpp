@@ -47,7 +47,7 @@ std::vector<Case> cases_of(FloorView view) {
 class CheckLinesOf : public ::testing::TestWithParam<FloorView> {};
 
 // One test for both checks, since drawing takes most of the time.
-TEST_P(CheckLinesOf, FindsThemWhereAGoodCalibrationPutsThemAndSaysByHowMuchACameraWasMoved) {
+TEST_P(CheckLinesOf, FindsThemAndMeasuresHowFarACameraMoved) {
   for (const Case& one : cases_of(GetParam())) {
     SCOPED_TRACE(fmt::format("size {}, dim to {}", one.setting.size, one.floor.dim_to));
     const LensCamera truth = floor_camera(one.setting);
@@ -64,7 +64,7 @@ TEST_P(CheckLinesOf, FindsThemWhereAGoodCalibrationPutsThemAndSaysByHowMuchACame
   }
 }
 
-TEST(CheckLines, MissThoseOfAFieldOfOtherSizes) {
+TEST(CheckLines, AreMissingForAnotherFieldSize) {
   for (const FloorView view : {FloorView::kWhole, FloorView::kHalf}) {
     PaintedFloor floor;
     floor.field = floor_field(1);

@@ -53,7 +53,7 @@ TEST(LensCamera, WithOneRadialTermIsTheWiresCamera) {
   EXPECT_LT((back.position_mm - camera.position_mm).norm(), 1e-6);
 }
 
-TEST(LensCamera, PublishesTheNearestCameraOfTheWireAndSaysWhatItDiffers) {
+TEST(LensCamera, PublishesTheNearestWireCameraAndItsError) {
   const LensCamera camera = floor_camera({1, FloorView::kHalf, 1.5, 0.1, 0.05});
   const Published published = publish(camera);
   const CameraModel wire(published.calibration);

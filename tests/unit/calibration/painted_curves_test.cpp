@@ -20,7 +20,7 @@ const PaintedCurve& named(const std::vector<PaintedCurve>& curves, std::string_v
   return *found;
 }
 
-TEST(PaintedCurves, LieHalfALineInsideOfSizesMeasuredToTheOuterEdge) {
+TEST(PaintedCurves, LieHalfALineInsideSizesMeasuredToTheOuterEdge) {
   const auto curves =
       painted_curves(FieldSize{}, LinesMeasured::kToOuterEdge);  // Division B, lines 10 mm wide
   EXPECT_EQ(named(curves, "TopTouchLine").from, Eigen::Vector2d(-4495, 2995));

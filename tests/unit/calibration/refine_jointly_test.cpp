@@ -102,7 +102,7 @@ TEST(RefineJointly, LeavesExactCamerasAlone) {
   EXPECT_LT(field_error_mm(pair.b, joint.cameras[1], pair.field, 0), 0.2);
 }
 
-TEST(RefineJointly, OneCameraHasNobodyToDisagreeWith) {
+TEST(RefineJointly, ASingleCameraHasNoDisagreement) {
   Pair pair = exact_halves();
   ASSERT_EQ(pair.seen.size(), 2U);
   pair.seen.pop_back();

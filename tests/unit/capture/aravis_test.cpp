@@ -120,7 +120,7 @@ CapturedImage next_picture(Source& source) {
 
 bool lacks_packets(CaptureStatus status, const std::string& problem) {
   return status == CaptureStatus::kIncomplete &&
-         (problem == "packets are missing" || problem == "its last packets did not come");
+         (problem == "packets are missing" || problem == "its last packets did not arrive");
 }
 
 void expect_our_pixels(const ImageView& view) {
@@ -183,7 +183,7 @@ TEST_F(Gige, ForgedPacketsShowNothingAndEndNothing) {
       std::string problem;
       const CaptureStatus status = next(*source, image, problem);
       ASSERT_NE(status, CaptureStatus::kLost) << problem;
-      was_refused |= problem.starts_with("0 bytes came");
+      was_refused |= problem.starts_with("0 bytes arrived");
       if (status != CaptureStatus::kImage) continue;
       ++own;
       EXPECT_EQ(image.image.view().width, 320);
@@ -228,7 +228,7 @@ TEST_F(Gige, ForgedPacketsShowNothingAndEndNothing) {
   send({"", "x", leader("").substr(0, 19)});
 }
 
-TEST(AravisPictures, AreWhatCameAndLiesInTheBuffer) {
+TEST(AravisPictures, AreValidatedAgainstTheBuffer) {
   constexpr std::size_t kBytes = 320 * 240;
   const std::vector<std::uint8_t> buffer(kBytes + 100);
   const ClaimedPicture good{ARV_PIXEL_FORMAT_MONO_8, 320, 240, 0, 0, kBytes, kBytes, kBytes + 100};
@@ -244,7 +244,7 @@ TEST(AravisPictures, AreWhatCameAndLiesInTheBuffer) {
   EXPECT_TRUE(is_valid([](Claimed it) { it.offset = 100, it.came += 100; }));
   EXPECT_TRUE(is_valid([](Claimed it) { it.height = 120, it.padding_bytes = 320; }));
   EXPECT_FALSE(is_valid([](Claimed it) { it.came = 0; }));
-  EXPECT_EQ(problem, "0 bytes came; 320x240 of format 0x01080001 needs 76800");
+  EXPECT_EQ(problem, "0 bytes arrived; 320x240 of format 0x01080001 needs 76800");
   EXPECT_FALSE(is_valid([](Claimed it) { --it.came; }));
   EXPECT_FALSE(is_valid([](Claimed it) { --it.bytes; }));
   EXPECT_FALSE(is_valid([](Claimed it) { it.offset = 1; }));
@@ -368,7 +368,7 @@ Taken take_until(Source& source, const std::function<bool(const Taken&)>& is_eno
   return taken;
 }
 
-TEST_F(Gige, NoTornPictureIsTakenForWhole) {
+TEST_F(Gige, ATornImageIsNotComplete) {
   const auto source = open({{"packet_size", 1000}});
   next_picture(*source);
   server_->lose_packets(0.01);
@@ -393,7 +393,7 @@ TEST_F(Gige, PicturesAreTheDriversOwnBuffers) {
   EXPECT_LE(places.size(), 5u);
 }
 
-TEST_F(Gige, SetsWhatItIsTold) {
+TEST_F(Gige, AppliesItsOptions) {
   const auto source = open({{"pixel_format", "rgb24"},
                             {"width", 200},
                             {"height", 100},
@@ -515,7 +515,8 @@ TEST_F(Gige, ACameraThatDoesNotSayItsPacketSizeIsNotOpen) {
   told_packet_bytes = 0;
   EXPECT_EQ(refusal(Json::object()), "camera \"127.0.0.1\": no packet size: it does not answer");
   told_packet_bytes = 56;
-  EXPECT_EQ(refusal(Json::object()), "camera \"127.0.0.1\": its packet size is 56 bytes, which headers fill");
+  EXPECT_EQ(refusal(Json::object()),
+            "camera \"127.0.0.1\": its packet size of 56 bytes leaves no space for data");
   told_packet_bytes = 57;
   EXPECT_EQ(refusal(Json::object()), "no error");
   told_packet_bytes.reset();
@@ -534,7 +535,7 @@ TEST_F(Gige, ACameraThatDoesNotAnswerIsNotOpen) {
   EXPECT_EQ(refusal({{"chunks", true}}), "no error");
 }
 
-TEST_F(Gige, AnExposureThatIsNotAnsweredIsAskedForAgain) {
+TEST_F(Gige, RetriesAnUnansweredExposure) {
   constexpr guint32 kExposureAuto = 0x400;  // as GigeServer has it
   const std::map<std::string, guint32> unanswered_in{{"Off", ARV_FAKE_CAMERA_REGISTER_EXPOSURE_TIME_US},
                                                      {"Continuous", kExposureAuto}};
@@ -568,7 +569,7 @@ TEST_F(Gige, ACameraThatDoesNotSayItsExposureDelaysNoPicture) {
   held.let_go.count_down();
 }
 
-TEST_F(Gige, ChunksThatDoNotComeAreNotMissed) {
+TEST_F(Gige, WorksWithoutTheRequestedChunks) {
   const auto source = open({{"chunks", true}});
   expect_our_pixels(next_picture(*source).image.view());
 }
@@ -623,7 +624,7 @@ TEST_F(Gige, ControlsSayWhatTheyTake) {
   EXPECT_THAT(refusal_of("PixelFormat", "Sepia"),
               HasSubstr("\"Sepia\" is not allowed; expected one of \"BayerBG8\", "));
   EXPECT_EQ(refusal_of("Colour", 1), "Colour: the camera has no such control");
-  EXPECT_EQ(refusal_of("SensorWidth", 100), "SensorWidth: cannot be set now: the camera only shows it");
+  EXPECT_EQ(refusal_of("SensorWidth", 100), "SensorWidth: cannot be set now: it is read-only");
 }
 
 TEST_F(Gige, ControlsOfTheSettingsAreSetAtTheOpening) {
@@ -795,7 +796,7 @@ TEST_F(Gige, ARestartedCameraIsLost) {
   EXPECT_EQ(problem, "camera \"127.0.0.1\": no longer answers");
 }
 
-TEST_F(Gige, TheCameraThreadOpensARestartedCameraAnew) {
+TEST_F(Gige, TheCameraThreadReopensARestartedCamera) {
   std::atomic<int> taken{0};
   CameraThread thread(
       "camera 0", {},
@@ -882,8 +883,8 @@ TEST(AravisSerials, CamerasThatSwapAddressesKeepTheirNames) {
 
 TEST_F(Gige, NamesWhatTheCameraDoesNotTake) {
   EXPECT_EQ(refusal({{"width", 4000}}),
-            "camera \"127.0.0.1\": width 4000 refused: the camera takes 1 .. 320");
-  EXPECT_EQ(refusal({{"gain", 99}}), "camera \"127.0.0.1\": gain 99 refused: the camera takes 0 .. 10");
+            "camera \"127.0.0.1\": width 4000 refused: the camera allows 1 .. 320");
+  EXPECT_EQ(refusal({{"gain", 99}}), "camera \"127.0.0.1\": gain 99 refused: the camera allows 0 .. 10");
   EXPECT_EQ(
       refusal({{"pixel_format", "yuyv"}}),
       "camera \"127.0.0.1\": pixel_format yuyv refused: the camera has bayer_bg8, bayer_gb8, bayer_gr8, "
@@ -896,7 +897,7 @@ TEST_F(Gige, NamesACameraThatIsNotThere) {
     found = refusal({{"camera", "XY-404"}});
     return found.find("\"SSLV01\" (Aravis-Fake-SSLV01)") != std::string::npos;
   })) << found;
-  EXPECT_THAT(found, HasSubstr("camera \"XY-404\": not found; there are "));
+  EXPECT_THAT(found, HasSubstr("camera \"XY-404\": not found; available: "));
 }
 
 TEST(Aravis, UnknownOptionsAreRefused) {

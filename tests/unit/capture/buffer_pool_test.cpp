@@ -36,7 +36,7 @@ TEST(BufferPool, PicturesOutliveIt) {
   EXPECT_EQ(image.view().data[7], 42);
 }
 
-TEST(BufferPool, LiesInMemoryForOthersWhereThatIsWanted) {
+TEST(BufferPool, UsesSharedMemoryOnRequest) {
   const ImageView layout{nullptr, 4, 2, 4, PixelFormat::kMono8};
   std::uint8_t* bytes = nullptr;
   BufferPool own(1, 8);

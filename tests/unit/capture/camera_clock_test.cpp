@@ -57,7 +57,7 @@ TEST(CameraClock, FollowsADriftingClockToAFifthOfAMillisecond) {
   }
 }
 
-TEST(CameraClock, LearnsAnewWhenTheCamerasClockSteps) {
+TEST(CameraClock, RelearnsWhenTheCamerasClockSteps) {
   Simulated camera;
   camera.drift = 100e-6;
   camera.run(20, 0);
@@ -67,7 +67,7 @@ TEST(CameraClock, LearnsAnewWhenTheCamerasClockSteps) {
   }
 }
 
-TEST(CameraClock, AHostThatWasBusyForAMomentIsNoStep) {
+TEST(CameraClock, ABrieflyBusyHostIsNoStep) {
   CameraClock clock;
   for (int i = 0; i < 600; ++i) clock.add(i / 60.0, 10 + i / 60.0);
   CameraClock::Estimate estimate;

@@ -252,7 +252,7 @@ TEST_F(CameraThreadTest, ItsTotalsGoOnWithTheNextThread) {
   }
 }
 
-TEST_F(CameraThreadTest, OpensALostCameraAnew) {
+TEST_F(CameraThreadTest, ReopensALostCamera) {
   const auto thread = start();
   camera_->play({kImage, lost("no heartbeat"), kImage});
   const CameraHealth health = wait_for(*thread, frames(2));
@@ -293,7 +293,7 @@ TEST_F(CameraThreadTest, ALostCameraIsTriedAgainWhenAsked) {
   EXPECT_EQ(wait_for(*thread, frames(1)).state, CameraState::kRunning);
 }
 
-TEST_F(CameraThreadTest, OneThatRunsOrHasEndedGoesOnWhenItIsToBeTriedAgain) {
+TEST_F(CameraThreadTest, RetryingDoesNotAffectARunningOrEndedCamera) {
   camera_->play({kImage});
   const auto thread = start();
   wait_for(*thread, frames(1));
@@ -370,7 +370,7 @@ TEST_F(CameraThreadTest, APictureMakesTheNextWaitShortAgain) {
   EXPECT_EQ(wait_for(*thread, frames(2)).frames, 2U);
 }
 
-TEST_F(CameraThreadTest, WritesFewLinesOfAStorm) {
+TEST_F(CameraThreadTest, LogsFewLinesDuringManyLosses) {
   constexpr int kLosses = 500;
   const double begin_s = steady_s();
   testing::internal::CaptureStderr();
@@ -391,7 +391,7 @@ TEST_F(CameraThreadTest, WritesFewLinesOfAStorm) {
   EXPECT_LT(static_cast<double>(std::count(log.begin(), log.end(), '\n')), 20 + steady_s() - begin_s) << log;
 }
 
-TEST_F(CameraThreadTest, ASourceThatFailsAtOnceWithoutEndIsNotAskedWithoutPause) {
+TEST_F(CameraThreadTest, PausesBetweenImmediateFailures) {
   constexpr std::uint64_t kDamaged = 60;
   const auto begin = std::chrono::steady_clock::now();
   camera_->play_forever(damaged("packets are missing"));
@@ -408,7 +408,7 @@ void set_view(CapturedImage& image) {
   image.image.narrow_to(view);
 }
 
-TEST_F(CameraThreadTest, GarbageIsNeverHandedOver) {
+TEST_F(CameraThreadTest, InvalidImagesAreDropped) {
   const auto spoilt = [](void (*spoil)(CapturedImage&)) { return FakeCamera::Step{.spoil = spoil}; };
   const std::vector<FakeCamera::Step> garbage{
       spoilt([](CapturedImage& image) { image.image = Image(); }),
@@ -472,7 +472,7 @@ TEST_F(CameraThreadTest, ATimeThatCannotBeIsReplaced) {
   EXPECT_TRUE(seen[7].is_by_ptp);
 }
 
-TEST_F(CameraThreadTest, WhatOpensNothingOrThrowsAnythingIsTriedAgain) {
+TEST_F(CameraThreadTest, RetriesAfterAnyFailureToOpen) {
   std::atomic<int> attempts{0};
   CameraThread thread(
       "camera 0", {},
@@ -578,7 +578,7 @@ TEST_F(CameraThreadTest, StopWaitsForAPictureBeingProcessed) {
   stopper.join();
 }
 
-TEST_F(CameraThreadTest, StopsWithoutWaitingOnceItNeedNot) {
+TEST_F(CameraThreadTest, CanStopWithoutWaitingOnceIdle) {
   std::latch entered(1), go_on(1);
   hook_ = [&](const CapturedImage&) {
     entered.count_down();
@@ -606,7 +606,7 @@ TEST_F(CameraThreadTest, OneThatHangsInItsDriverIsLeftBehindWithoutWaiting) {
   camera_->wait_for_closed(1);
 }
 
-TEST_F(CameraThreadTest, GoesOnWithoutWhatTheSystemRefuses) {
+TEST_F(CameraThreadTest, ContinuesIfTheSystemRefusesThreadSettings) {
   ThreadSettings settings;
   settings.cpu = 1023;
   camera_->play({kImage});
@@ -667,7 +667,7 @@ TEST_F(CameraThreadTest, APredecessorThatDoesNotCloseIsLeftBehind) {
   camera_->wait_for_closed(1);
 }
 
-TEST_F(CameraThreadTest, OneOfManySuccessorsAtATimeHandsPicturesOver) {
+TEST_F(CameraThreadTest, SuccessorsDeliverImagesOneAtATime) {
   std::latch entered(1), go_on(1);
   std::atomic<int> inside{0}, max_inside{0};
   hook_ = [&](const CapturedImage&) {
@@ -713,7 +713,7 @@ TEST_F(CameraThreadTest, StopWaitsForAPictureThatAPredecessorProcesses) {
   stopper.join();
 }
 
-TEST_F(CameraThreadTest, TellsWhenNoPictureComesAndBeforeItCloses) {
+TEST_F(CameraThreadTest, ReportsIdlenessAndClosing) {
   auto thread = start({std::chrono::hours(1), std::chrono::hours(1)});
   buffers_are_out_ = true;
   EXPECT_TRUE(test::becomes([&] { return idle_calls_ >= 5; }));

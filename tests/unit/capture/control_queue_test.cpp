@@ -132,7 +132,7 @@ class ControlQueueTest : public testing::Test {
   ControlQueue& queue_ = camera_->queue();
 };
 
-TEST_F(ControlQueueTest, KnowsWhatIsSetAndNotSavedAndSetsItBack) {
+TEST_F(ControlQueueTest, ListsAndRevertsUnsavedControls) {
   EXPECT_THAT(unsaved(), IsEmpty());
   EXPECT_EQ(queue_.set("ExposureTime", 2000.0).value, 2000);
   queue_.set("ExposureTime", 3000.0);
@@ -144,7 +144,7 @@ TEST_F(ControlQueueTest, KnowsWhatIsSetAndNotSavedAndSetsItBack) {
   EXPECT_THAT(unsaved(), IsEmpty());
 }
 
-TEST_F(ControlQueueTest, AnAutomaticTakesWithItWhatItHasChanged) {
+TEST_F(ControlQueueTest, RevertingAnAutomaticRestoresTheValuesItChanged) {
   queue_.set("ExposureAuto", "Continuous");
   queue_.list();
   ASSERT_GT(camera_->value("ExposureTime"), 1100);
@@ -153,7 +153,7 @@ TEST_F(ControlQueueTest, AnAutomaticTakesWithItWhatItHasChanged) {
   EXPECT_EQ(camera_->value("ExposureTime"), 1000);
 }
 
-TEST_F(ControlQueueTest, AValueThatWasSetUnderAnAutomaticEndsWithIt) {
+TEST_F(ControlQueueTest, RestoringAnAutomaticDropsTheValueSetMeanwhile) {
   const Json saved{{"ExposureAuto", "Continuous"}};
   save(kNothing, saved);
   queue_.set("ExposureAuto", "Off");
@@ -172,7 +172,7 @@ TEST_F(ControlQueueTest, AModeThatTheCameraChangesWithAValueIsUnsavedToo) {
   EXPECT_EQ(camera_->value("Gain"), 4);
 }
 
-TEST_F(ControlQueueTest, OneOfSeveralGoesBack) {
+TEST_F(ControlQueueTest, RevertsASingleControl) {
   queue_.set("ExposureTime", 2000.0);
   queue_.set("Gain", 9);
   queue_.revert({"ExposureTime"}, kNothing);
@@ -181,7 +181,7 @@ TEST_F(ControlQueueTest, OneOfSeveralGoesBack) {
   EXPECT_THAT(unsaved(), ElementsAre("Gain", "GainAuto"));
 }
 
-TEST_F(ControlQueueTest, WhatWasSavedIsNotSetBackWithTheRest) {
+TEST_F(ControlQueueTest, KeepsSavedControlsWhenRevertingAll) {
   queue_.set("ExposureTime", 2000.0);
   queue_.set("GainAuto", false);
   const Json saved{{"ExposureTime", 2000.0}};
@@ -192,7 +192,7 @@ TEST_F(ControlQueueTest, WhatWasSavedIsNotSetBackWithTheRest) {
   EXPECT_EQ(camera_->value("GainAuto"), true);
 }
 
-TEST_F(ControlQueueTest, OneThatIsLockedIsNotSaidToBeSetBack) {
+TEST_F(ControlQueueTest, RevertingALockedControlFails) {
   queue_.set("ExposureTime", 2000.0);
   queue_.set("ExposureAuto", "Continuous");
   EXPECT_THROW(queue_.revert({"ExposureTime"}, kNothing), SettingsError);
@@ -202,7 +202,7 @@ TEST_F(ControlQueueTest, OneThatIsLockedIsNotSaidToBeSetBack) {
   EXPECT_EQ(camera_->value("ExposureTime"), 1000);
 }
 
-TEST_F(ControlQueueTest, OneThatWasSetIsRememberedAlsoWhenItCannotBeRead) {
+TEST_F(ControlQueueTest, AControlThatCannotBeReadAfterSettingIsUnsaved) {
   camera_->answer_only(1);  // the read before setting
   EXPECT_ANY_THROW(queue_.set("ExposureTime", 2000.0));
   camera_->answer_only(-1);
@@ -212,14 +212,14 @@ TEST_F(ControlQueueTest, OneThatWasSetIsRememberedAlsoWhenItCannotBeRead) {
   EXPECT_EQ(camera_->value("ExposureTime"), 1000);
 }
 
-TEST_F(ControlQueueTest, ActionsAndWhatGoesOnByItselfAreNeverUnsaved) {
+TEST_F(ControlQueueTest, ActionsAndSelfChangingControlsAreNeverUnsaved) {
   queue_.set("Reset", nullptr);
   queue_.set("Position", 50);
   EXPECT_EQ(camera_->resets, 1);
   EXPECT_THAT(unsaved(), IsEmpty());
 }
 
-TEST_F(ControlQueueTest, WhatNeedsTheCameraReopenedIsNotSetOnItsOwn) {
+TEST_F(ControlQueueTest, ControlsThatNeedReopeningAreNotSetDirectly) {
   EXPECT_THROW(queue_.set("Width", 320), NeedsReopening);
   EXPECT_EQ(camera_->writes, 0);
   EXPECT_THAT(unsaved(), IsEmpty());
@@ -271,7 +271,7 @@ TEST_F(ControlQueueTest, APlanRefusesWhatTheCameraDoesNotTake) {
       << "with another mode it may have another range";
 }
 
-TEST_F(ControlQueueTest, OfACameraThatHasNotSaidWhatItHasNothingIsRefused) {
+TEST_F(ControlQueueTest, APlanBeforeTheFirstListRefusesNothing) {
   const auto opening = std::make_shared<MeasuringCamera>();
   const Json wanted{{"Colour", 1}, {"Gain", 5}};
   opening->queue().plan(kNothing, wanted, "/controls");
@@ -279,7 +279,7 @@ TEST_F(ControlQueueTest, OfACameraThatHasNotSaidWhatItHasNothingIsRefused) {
   EXPECT_EQ(opening->value("Gain"), 5);
 }
 
-TEST_F(ControlQueueTest, WhatTheCameraRefusesIsToldUntilItTakesIt) {
+TEST_F(ControlQueueTest, RefusedControlsAreReportedUntilAccepted) {
   save(kNothing, {{"ExposureAuto", "Continuous"}});
   const Json both{{"ExposureAuto", "Continuous"}, {"ExposureTime", 2000.0}};
   EXPECT_THAT(save({{"ExposureAuto", "Continuous"}}, both), ElementsAre("ExposureTime: locked"));
@@ -290,7 +290,7 @@ TEST_F(ControlQueueTest, WhatTheCameraRefusesIsToldUntilItTakesIt) {
   EXPECT_THAT(queue_.refused(), IsEmpty());
 }
 
-TEST_F(ControlQueueTest, WhatTheSettingsSayNoMoreGoesBackToWhatTheCameraHad) {
+TEST_F(ControlQueueTest, ControlsRemovedFromTheSettingsAreRestored) {
   const Json saved{{"ExposureAuto", "Continuous"}, {"Gain", 9}};
   save(kNothing, saved);
   queue_.list();
@@ -322,7 +322,7 @@ TEST_F(ControlQueueTest, ASliderMayMoveWhileAnotherBrowserSaves) {
   EXPECT_THAT(unsaved({{"Gain", 9}}), ElementsAre("GainAuto"));
 }
 
-TEST_F(ControlQueueTest, ACameraThatDoesNotAnswerKeepsNobodyFromSaving) {
+TEST_F(ControlQueueTest, AnUnresponsiveCameraDoesNotBlockSaving) {
   std::promise<void> answer;
   camera_->on_write = [answered = answer.get_future().share()] { answered.wait(); };
   const auto outcome = queue_.apply(kNothing, {{"Gain", 9}});  // does not wait
@@ -342,7 +342,7 @@ void reopen(MeasuringCamera& camera, MeasuringCamera& before, const Json& saved)
   camera.queue().list();  // begun
 }
 
-TEST_F(ControlQueueTest, ACameraThatIsReopenedAndKeptItsValuesHasThemUnsavedStill) {
+TEST_F(ControlQueueTest, UnsavedControlsStayUnsavedIfTheCameraKeptThem) {
   const auto first = std::make_shared<MeasuringCamera>();
   first->queue().set("Gain", 9);
   reopen(*camera_, *first, kNothing);
@@ -381,7 +381,7 @@ TEST_F(ControlQueueTest, KnowsWhatTheCameraHadBeforeItWasSavedAtAnEarlierOpening
   EXPECT_EQ(goes_back_to(*reset), 500);
 }
 
-TEST_F(ControlQueueTest, WhatIsRefusedIsForgottenOnceNobodyAsksForIt) {
+TEST_F(ControlQueueTest, RefusalsOfRemovedControlsAreForgotten) {
   const Json unknown = {{"Colour", 1}};
   EXPECT_THAT(queue_.apply(kNothing, unknown)(), ElementsAre("Colour: no such control"));
   EXPECT_THAT(queue_.refused(), ElementsAre("Colour: no such control"));
@@ -389,7 +389,7 @@ TEST_F(ControlQueueTest, WhatIsRefusedIsForgottenOnceNobodyAsksForIt) {
   EXPECT_THAT(queue_.refused(), IsEmpty());
 }
 
-TEST_F(ControlQueueTest, OneThatDoesNotAnswerKeepsNoOtherFromBeingSet) {
+TEST_F(ControlQueueTest, AnUnresponsiveControlDoesNotBlockOthers) {
   camera_->silent = "ExposureTime";
   const Json wanted = {{"ExposureTime", 2000.0}, {"Gain", 5}};
   EXPECT_THAT(queue_.open_with(wanted), ElementsAre("ExposureTime: does not answer"));
@@ -399,7 +399,7 @@ TEST_F(ControlQueueTest, OneThatDoesNotAnswerKeepsNoOtherFromBeingSet) {
   EXPECT_EQ(camera_->value("Gain"), 6);
 }
 
-TEST_F(ControlQueueTest, ARangeThatASliderMayHaveMovedRefusesNothing) {
+TEST_F(ControlQueueTest, AnOutdatedRangeRefusesNothing) {
   for (const int gain : {5, 6, 7}) queue_.set("Gain", gain);
   camera_->limit("ExposureTime", 60000);
   EXPECT_EQ(refusal({{"ExposureTime", 50000.0}}), "");

@@ -65,13 +65,13 @@ std::string refusal(Controls& controls, const char* name, const Json& value) {
   return "no error";
 }
 
-TEST(Controls, AreSetInWhateverOrderWorks) {
+TEST(Controls, AreSetInAWorkingOrder) {
   FakeControls controls;
   EXPECT_THAT(controls.queue().open_with({{"A_Gain", 6}, {"AutoGain", false}}), ElementsAre());
   EXPECT_EQ(controls.get("A_Gain").value, 6);
 }
 
-TEST(Controls, WhatIsRefusedIsNamedAndTheRestIsSet) {
+TEST(Controls, RefusedControlsAreNamedAndTheRestIsSet) {
   FakeControls controls;
   EXPECT_THAT(controls.queue().open_with({{"A_Gain", 6}, {"Mode", "Once"}, {"Bright", 1}}),
               ElementsAre("A_Gain: refused while it is automatic", "Bright: no such control"));

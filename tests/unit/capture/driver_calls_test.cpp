@@ -45,7 +45,7 @@ TEST(DriverCalls, OneThatHangsIsLeftBehindAndRefusesTheNext) {
   }));
 }
 
-TEST(DriverCalls, WhatIsPostedRunsInTurnAndIsWaitedForByWhoWants) {
+TEST(DriverCalls, PostedCallsRunInOrderAndCanBeWaitedFor) {
   std::promise<void> may_go_on;
   std::vector<int> order;
   const auto first = kPatient.post([&, go_on = may_go_on.get_future().share()] {

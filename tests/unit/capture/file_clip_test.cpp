@@ -169,18 +169,19 @@ TEST_F(ClipSource, GoesOnWhenItsFileIsRemoved) {
   for (int i = 0; i < 50; ++i) EXPECT_EQ(next_of(*source).status, CaptureStatus::kImage);
 }
 
-TEST_F(ClipSource, AnUnfinishedOneIsShownAsFarAsItGoes) {
+TEST_F(ClipSource, AnUnfinishedClipIsPlayedToItsEnd) {
   fs::resize_file(path("kick.clip"), places_[4]);  // three frames of camera 3
   const auto source = open("kick.clip", {{"frame_rate_hz", 0}});
   for (int i = 0; i < 3; ++i) EXPECT_EQ(next_of(*source).status, CaptureStatus::kImage);
   EXPECT_EQ(next_of(*source).status, CaptureStatus::kEnd);
 }
 
-TEST_F(ClipSource, WhatCannotBeShownIsNamed) {
+TEST_F(ClipSource, UnplayableClipsAreNamed) {
   EXPECT_EQ(refusal("kick.clip", {{"camera_id", 4}}),
             path("kick.clip") + ": no camera 4 in this clip; expected 3, 5");
   std::ofstream(path("text.clip")) << "this is no clip, but a text";
-  EXPECT_EQ(refusal("text.clip"), path("text.clip") + ": is no clip: it does not begin like one");
+  EXPECT_EQ(refusal("text.clip"),
+            path("text.clip") + ": is not a clip: it does not start with the clip signature");
   { ClipWriter(path("none.clip"), {}).finish(); }
   EXPECT_EQ(refusal("none.clip"), path("none.clip") + ": no frames in this clip");
   EXPECT_THAT(refusal("nowhere.clip"), HasSubstr("No such file or directory; expected"));
@@ -194,7 +195,7 @@ TEST_F(ClipSource, WhatCannotBeShownIsNamed) {
   EXPECT_EQ(next_of(*source).status, CaptureStatus::kEnd);
 }
 
-TEST(PlaybackByTimes, NoTimeOfAFileIsWaitedForForever) {
+TEST(PlaybackByTimes, InvalidTimesDoNotBlock) {
   Playback playback({1e300, -5, std::nan(""), 0}, true);
   EXPECT_EQ(playback.wait_turn(milliseconds(0)), 0);
   EXPECT_FALSE(playback.wait_turn(milliseconds(1)));

@@ -61,7 +61,7 @@ TEST(Playback, AThreadThatIsHeldWhileItSetsAControlDelaysNoPicture) {
                      [&] { EXPECT_TRUE(playback.wait_turn(milliseconds(0))); });
 }
 
-TEST(Playback, RefusesWhatItHasNot) {
+TEST(Playback, RefusesUnknownAndUnavailableControls) {
   Playback playback(10, 0, false);
   EXPECT_THROW(playback.set("position", 10), SettingsError);
   EXPECT_THROW(playback.set("speed", 2.0), SettingsError);  // it has no frame rate

@@ -241,7 +241,7 @@ TEST_F(Files, RawFramesNeedTheirSize) {
 }
 
 // In the formats of `clip export` and `simulate --raw`.
-TEST_F(Files, AFileBesideRawFramesTellsHowTheyLie) {
+TEST_F(Files, AnIndexFileDescribesRawFrames) {
   write("frame.raw", std::string(64, 'x'));
   for (
       const std::string told :
@@ -261,7 +261,7 @@ TEST_F(Files, AFileBesideRawFramesTellsHowTheyLie) {
   EXPECT_EQ(next(*source).image.image.view().width, 16);
 }
 
-TEST_F(Files, AFileBesideRawFramesThatTellsNothingIsRefusedByName) {
+TEST_F(Files, AnIndexFileThatDescribesNothingIsRefused) {
   write("frame.raw", std::string(64, 'x'));
   for (const std::string told :
        {"", "no JSON", "[]", "7", "null", R"({"frames": []})", R"({"frames": {"0": 1}})",
@@ -282,7 +282,7 @@ TEST_F(Files, AFileBesideRawFramesThatTellsNothingIsRefusedByName) {
   write("frames.json", R"({"frames": [{"pixel_format": "uyvy", "width": 8, "height": 4},
                                       {"pixel_format": "yuyv", "width": 8, "height": 4}]})");
   EXPECT_THAT(refusal(folder_.string()),
-              HasSubstr(path("frames.json") + ": its frames have several formats or sizes"));
+              HasSubstr(path("frames.json") + ": its frames have different formats or sizes"));
   std::string lists = "[[]";
   while (lists.size() < 5'000'000) lists += ",[]";
   write("frames.json", lists + "]");
@@ -292,7 +292,7 @@ TEST_F(Files, AFileBesideRawFramesThatTellsNothingIsRefusedByName) {
   // A folder of that name is not used either.
   std::filesystem::remove(path("frames.json"));
   std::filesystem::create_directory(path("frames.json"));
-  EXPECT_THAT(refusal(folder_.string()), HasSubstr("no frames.json tells them"));
+  EXPECT_THAT(refusal(folder_.string()), HasSubstr("no frames.json states them"));
 }
 
 TEST_F(Files, RawFramesAllocateNothingOnceWarm) {
@@ -436,7 +436,7 @@ TEST_F(Files, KeepsItsPace) {
   EXPECT_EQ(next(*source).status, CaptureStatus::kTimeout) << "the next one is due in 1000 s";
 }
 
-TEST_F(Files, WhatCannotBeOpenedIsNamed) {
+TEST_F(Files, UnreadableFilesAreNamed) {
   EXPECT_EQ(refusal(path("nowhere")), "path \"" + path("nowhere") +
                                           "\": No such file or directory; expected a folder of images, an "
                                           "image, a raw frame, a video or a clip");

@@ -154,7 +154,7 @@ class GvspDoor : public testing::Test {
   const test::UdpForger camera_, stranger_{"127.0.0.2"};
 };
 
-TEST_F(GvspDoor, LetsWhatFitsReachAUdpSocket) {
+TEST_F(GvspDoor, PassesFittingPacketsToAUdpSocket) {
   ASSERT_EQ(guard_gvsp_sockets(bounds_), 1);
   expect_what_fits();
   EXPECT_EQ(guard_gvsp_sockets(bounds_), 1) << "again";
@@ -162,7 +162,7 @@ TEST_F(GvspDoor, LetsWhatFitsReachAUdpSocket) {
   EXPECT_EQ(guard_gvsp_sockets(bounds_), 0) << "of another port";
 }
 
-TEST_F(GvspDoor, LetsWhatFitsReachAPacketSocket) {
+TEST_F(GvspDoor, PassesFittingPacketsToAPacketSocket) {
   packet_ = ::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, htons(ETH_P_IP));
   if (packet_ < 0 && errno == EPERM) GTEST_SKIP() << "no right to open packet sockets";
   ASSERT_GE(packet_, 0);

@@ -49,7 +49,7 @@ TEST_F(JpegFile, IsRead) {
   EXPECT_NEAR(image.view().row(15)[0], 90, 4);
 }
 
-TEST_F(JpegFile, WhatIsNoneIsRefused) {
+TEST_F(JpegFile, RefusesOtherFiles) {
   EXPECT_NE(refusal_of(file("")), "no error");
   EXPECT_NE(refusal_of(file("P6\n8 8\n255\n")), "no error");
   EXPECT_NE(refusal_of(file(jpeg_of(40, 30).substr(0, 300))), "no error");

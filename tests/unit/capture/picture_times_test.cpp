@@ -48,7 +48,7 @@ TEST(PictureTimes, UnderPtpTheCamerasClockIsTheHosts) {
   }
 }
 
-TEST(PictureTimes, ClocksThatDoNotAgreeAreNotTakenForOne) {
+TEST(PictureTimes, ClocksThatDisagreeAreNotSynchronised) {
   for (const double ahead_s : {-1.0, 0.3, 36.6, -5.4e8, 1e6}) {
     Camera camera;
     camera.clock_ahead_s = ahead_s;
@@ -58,14 +58,14 @@ TEST(PictureTimes, ClocksThatDoNotAgreeAreNotTakenForOne) {
   }
 }
 
-TEST(PictureTimes, WithoutPtpAgreementIsChance) {
+TEST(PictureTimes, WithoutPtpAgreementIsIgnored) {
   Camera camera;
   camera.stamps.has_ptp = false;
   camera.error_s(1000);
   EXPECT_FALSE(camera.now.is_by_ptp);
 }
 
-TEST(PictureTimes, ACameraThatLeavesItsMasterIsFollowedByHowItRuns) {
+TEST(PictureTimes, ACameraThatLosesItsPtpMasterIsEstimated) {
   Camera camera;
   camera.error_s(1000);
   ASSERT_TRUE(camera.now.is_by_ptp);
@@ -76,7 +76,7 @@ TEST(PictureTimes, ACameraThatLeavesItsMasterIsFollowedByHowItRuns) {
   EXPECT_NEAR(camera.error_s(3000), 0.005 - 0.004, 1e-4);
 }
 
-TEST(PictureTimes, AnExposureThatIsNoneIsNotKnown) {
+TEST(PictureTimes, InvalidExposuresAreIgnored) {
   constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
   for (const double exposure_s : {kNoNumber, -1.0, 1e9, std::numeric_limits<double>::infinity()}) {
     PictureTimes times;

@@ -30,7 +30,7 @@ class LosingSource final : public Source {
   std::uint64_t dropped_ = 0;  // only for the camera's thread
 };
 
-TEST(SharedCamera, WhatIsLostIsCountedWithoutAnImage) {
+TEST(SharedCamera, CountsLossesWithoutAnImage) {
   SharedCamera::Taker taker(SharedCamera::get("losing", [] { return std::make_unique<LosingSource>(); }));
   CapturedImage image;
   std::string problem;

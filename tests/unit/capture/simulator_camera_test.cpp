@@ -559,7 +559,7 @@ TEST(SimulatedCamera, SaysWhenNothingCanHideBalls) {
   }
   EXPECT_EQ(problem,
             "camera 0: hidden_balls: 1, each hidden by 90 % from this camera, are not allowed on a field of "
-            "9000 x 6000 mm; expected fewer or less hidden ones");
+            "9000 x 6000 mm; expected fewer, or a smaller hidden_share");
 }
 
 TEST(SimulatedCamera, ACoveredDotIsBlack) {

@@ -114,7 +114,7 @@ Json hall(const Json& json) {
 
 // ---- options
 
-TEST(SimulatorHall, PlainIsTheSceneOfOldBitByBit) {
+TEST(SimulatorHall, PlainEqualsTheOriginalScene) {
   // Means of cells of 65 x 58 pixels, recorded before halls were added.
   constexpr std::array<std::array<double, 3>, 30> kBefore{
       {{84.13, 81.34, 77.29}, {78.21, 86.66, 77.89}, {78.38, 86.90, 78.09}, {78.71, 87.16, 78.35},
@@ -143,7 +143,7 @@ TEST(SimulatorHall, PlainIsTheSceneOfOldBitByBit) {
   EXPECT_EQ(draw(other_seed).bytes, picture.bytes) << "a plain hall has nothing that a seed could change";
 }
 
-TEST(SimulatorHall, WhatIsLeftOpenIsAsTheKindSaysAndWhatIsGivenStays) {
+TEST(SimulatorHall, TheKindFillsInOnlyMissingOptions) {
   for (const auto& kind : kHallKindChoices) {
     HallOptions given;
     given.kind = kind.value;
@@ -170,7 +170,7 @@ TEST(SimulatorHall, WhatIsLeftOpenIsAsTheKindSaysAndWhatIsGivenStays) {
   EXPECT_EQ(floors.size(), 3U);
 }
 
-TEST(SimulatorHall, SettingsKeepWhatIsLeftOpenAndRefuseAnEmptyRangeOfFlicker) {
+TEST(SimulatorHall, SettingsKeepMissingOptionsAndRefuseAnEmptyFlickerRange) {
   const Json complete = simulator_backend().complete(hall({{"kind", "usual"}}), "/source");
   EXPECT_TRUE(complete["hall"]["carpet"]["blotches"].is_null()) << "another kind would change nothing";
   try {
@@ -428,7 +428,7 @@ const Json kFurnished{{"kind", "hard"},
                       {"lamps", {{"flicker_low", 1}, {"flicker_high", 1}, {"banding", 0}, {"shadows", 0}}},
                       {"sensor", {{"block_noise", 0}}}};
 
-TEST(SimulatorHall, WhatStandsAroundStandsStillInBothPlacements) {
+TEST(SimulatorHall, FurnitureStandsStillInBothPlacements) {
   for (const char* placement : {"paths", "scatter"}) {
     Json json = hall(kFurnished);
     json.update({{"placement", placement}, {"robots_yellow", 3}, {"robots_blue", 3}, {"balls", 2}});

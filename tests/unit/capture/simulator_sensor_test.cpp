@@ -47,7 +47,7 @@ std::vector<std::uint8_t> developed(const SimulatorOptions& options, const Light
   return picture;
 }
 
-TEST(SimulatorSensor, ConvertsColoursAsTheRestOfTheHouseDoes) {
+TEST(SimulatorSensor, ConvertsColoursLikeTheService) {
   constexpr Rgb kColors[] = {{200, 60, 20}, {10, 250, 90}, {33, 44, 180}, {255, 255, 255}, {0, 0, 0}};
   for (const Rgb& c : kColors) {
     const LightPicture light = even_light(c.r, c.g, c.b);

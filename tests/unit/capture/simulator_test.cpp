@@ -77,7 +77,7 @@ TEST(Simulator, ExposesAtWholeMultiplesOfThePeriod) {
   }
 }
 
-TEST(Simulator, KeepsAFewPicturesForWhoComesLateAndCountsTheOthers) {
+TEST(Simulator, QueuesAFewImagesAndCountsDrops) {
   constexpr double kRateHz = 50;
   const auto source = small_source(kRateHz);
   CapturedImage image;
@@ -99,7 +99,7 @@ TEST(Simulator, KeepsAFewPicturesForWhoComesLateAndCountsTheOthers) {
   }
 }
 
-TEST(Simulator, TellsOfATimeoutAndKeepsThePicture) {
+TEST(Simulator, ReportsTimeoutsAndKeepsTheImage) {
   const auto source = small_source(0.001);
   CapturedImage image;
   std::string problem;
@@ -153,7 +153,7 @@ std::string error_of(const Json& options) {
 TEST(Simulator, RefusesWhatCannotBeDrawn) {
   EXPECT_EQ(error_of({{"wdith", 3}}).substr(0, 44), "/cameras/0/source/wdith: no such parameter; ");
   EXPECT_EQ(error_of({{"width", 781}}),
-            "/cameras/0/source: width 781 and height 580 are not allowed; expected even ones for uyvy");
+            "/cameras/0/source: width 781 and height 580 are not allowed; expected even values for uyvy");
   EXPECT_EQ(error_of({{"bits", 12}}),
             "/cameras/0/source/bits: 12 is not allowed with uyvy; expected 8, or a Bayer or mono format");
   EXPECT_EQ(error_of({{"width", 781}, {"pixel_format", "rgb24"}}), "no error");
@@ -175,7 +175,7 @@ TEST(Simulator, RefusesWhatCannotBeDrawn) {
   const auto swing = [](const char* points) { return Json{{"light_swing", Json::parse(points)}}; };
   EXPECT_EQ(error_of(swing("[[0, 1], [5, 0.5]]")), "no error");
   EXPECT_EQ(error_of(swing("[[0, 1]]")),
-            "/cameras/0/source/light_swing: [[0.0,1.0]] is not allowed; expected no points, or two and more");
+            "/cameras/0/source/light_swing: [[0.0,1.0]] is not allowed; expected no points, or at least two");
   EXPECT_EQ(error_of(swing("[[1, 1], [5, 0.5]]")),
             "/cameras/0/source/light_swing/0/0: 1.0 is not allowed; expected 0");
   EXPECT_EQ(error_of(swing("[[0, 1], [5, 0.5], [5, 1]]")),

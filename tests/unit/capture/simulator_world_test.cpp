@@ -220,7 +220,7 @@ TEST(SimulatedScatter, TwinsWearThePatternOfTheirTeamsFirst) {
   EXPECT_EQ(counts.size(), 18U);
 }
 
-TEST(SimulatedScatter, KeepsThingsApartButForThoseThatTouch) {
+TEST(SimulatedScatter, KeepsThingsApartExceptTouchingRobots) {
   for (const double gap_mm : {0.0, 1.0, 20.0}) {
     SimulatorOptions options = scattered_options();
     options.touching = 8;
@@ -330,7 +330,7 @@ TEST(SimulatedWorld, CoversASideDotOfSomeRobots) {
   }
 }
 
-TEST(SimulatedWorld, DistractorsAreOfAllKindsButNeverLikeABall) {
+TEST(SimulatedWorld, DistractorsAreOfAllKindsAndNeverBallLike) {
   std::vector<SimulatedDistractor> all;
   for (int seed = 0; seed < 20; ++seed) {
     SimulatorOptions options;

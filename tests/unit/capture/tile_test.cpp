@@ -138,7 +138,7 @@ TEST_F(Tile, ATileKnowsThePictureItIsAPartOf) {
   EXPECT_THAT(whole(), testing::ElementsAre(100, 80, 52, 26));
 }
 
-TEST_F(Tile, ATileThatDoesNotLookLosesPicturesAndTheOtherNone) {
+TEST_F(Tile, ASlowTileLosesImagesAndTheOtherNone) {
   const auto slow = open(0, 0, 32, 48), quick = open(32, 0, 32, 48);
   for (int i = 0; i < 5; ++i) {
     camera_.send(CaptureStatus::kImage);
@@ -153,7 +153,7 @@ TEST_F(Tile, ATileThatDoesNotLookLosesPicturesAndTheOtherNone) {
   EXPECT_EQ(camera_.given_back, 5);
 }
 
-TEST_F(Tile, CountersOfTheCameraAreReadByTheThreadThatUsesIt) {
+TEST_F(Tile, ReportsTheCamerasCounters) {
   const auto tile = open(0, 0, 32, 48);
   camera_.send(CaptureStatus::kImage);
   CapturedImage image;
@@ -164,7 +164,7 @@ TEST_F(Tile, CountersOfTheCameraAreReadByTheThreadThatUsesIt) {
   EXPECT_EQ(tile->packets()->resent, 9U);
 }
 
-TEST_F(Tile, ALostCameraIsLostForAllAndOpenedAnew) {
+TEST_F(Tile, ALostCameraIsLostForAllTilesAndReopened) {
   auto left = open(0, 0, 32, 48), right = open(32, 0, 32, 48);
   camera_.send(CaptureStatus::kLost);
   CapturedImage image;
@@ -179,7 +179,7 @@ TEST_F(Tile, ALostCameraIsLostForAllAndOpenedAnew) {
   EXPECT_EQ(next(*right, image), CaptureStatus::kImage);
 }
 
-TEST_F(Tile, DamagedPicturesAreSaidToAll) {
+TEST_F(Tile, DamagedImagesAreReportedToAllTiles) {
   const auto left = open(0, 0, 32, 48), right = open(32, 0, 32, 48);
   camera_.send(CaptureStatus::kIncomplete);
   CapturedImage image;
@@ -187,7 +187,7 @@ TEST_F(Tile, DamagedPicturesAreSaidToAll) {
   EXPECT_EQ(next(*right, image), CaptureStatus::kIncomplete);
 }
 
-TEST_F(Tile, TilesLetGoAtTheSameMoment) {
+TEST_F(Tile, TilesMayReleaseAnImageAtTheSameTime) {
   constexpr int kPictures = 500;
   const auto left = open(0, 0, 32, 48), right = open(32, 0, 32, 48);
   const auto take_all = [](Source& tile) {
@@ -213,7 +213,7 @@ TEST_F(Tile, PicturesOutliveAllTiles) {
   EXPECT_EQ(camera_.given_back, 1);
 }
 
-TEST_F(Tile, ATileOutsideThePictureIsSaid) {
+TEST_F(Tile, ATileOutsideTheImageIsReported) {
   const auto tile = open(40, 0, 32, 48);
   camera_.send(CaptureStatus::kImage);
   CapturedImage image;

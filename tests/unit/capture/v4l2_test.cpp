@@ -202,16 +202,16 @@ TEST_F(V4l2, DamagedPicturesAreIncomplete) {
   const auto camera = plug_in(0, "1", "");
   const auto source = open();
   camera->deliver(std::vector<std::uint8_t>(camera->format().sizeimage), V4L2_BUF_FLAG_ERROR);
-  EXPECT_EQ(problem_of(*source, CaptureStatus::kIncomplete), "the driver says that it is damaged");
+  EXPECT_EQ(problem_of(*source, CaptureStatus::kIncomplete), "the driver reports it as damaged");
   camera->deliver(std::vector<std::uint8_t>(100));
-  EXPECT_EQ(problem_of(*source, CaptureStatus::kIncomplete), "100 bytes came; 64x48 yuyv needs 6144");
+  EXPECT_EQ(problem_of(*source, CaptureStatus::kIncomplete), "100 bytes arrived; 64x48 yuyv needs 6144");
   EXPECT_EQ(camera->queued(), 8U);
   camera->deliver(9);
   EXPECT_EQ(next_picture(*source).image.view().data[0], 9);
   EXPECT_EQ(source->dropped(), 0U);
 }
 
-TEST_F(V4l2, CountsWhatTheNumbersLeaveOut) {
+TEST_F(V4l2, CountsGapsInSequenceNumbers) {
   const auto camera = plug_in(0, "1", "");
   const auto source = open();
   camera->lose_pictures(5);  // before the first image: not counted
@@ -249,7 +249,7 @@ TEST_F(V4l2, MotionJpegIsRead) {
   EXPECT_THAT(problem_of(*source, CaptureStatus::kIncomplete), HasSubstr("Not a JPEG file"));
   const auto small = encoder.encode({grey.data(), 32, 48, 64, PixelFormat::kUyvy}, 32, 90);
   camera->deliver(small);
-  EXPECT_EQ(problem_of(*source, CaptureStatus::kIncomplete), "32x48 pixels came instead of 64x48");
+  EXPECT_EQ(problem_of(*source, CaptureStatus::kIncomplete), "32x48 pixels arrived instead of 64x48");
 }
 
 /// Cameras of embedded boards support only multi-planar calls, with one plane for the formats used here.
@@ -274,7 +274,7 @@ TEST_F(V4l2, ADeviceWithPlanesLendsItsBuffersToo) {
   EXPECT_EQ(camera->queued(), 3U);
   // Bytes are counted from the beginning of the image.
   camera->deliver(std::vector<std::uint8_t>(100));
-  EXPECT_EQ(problem_of(*source, CaptureStatus::kIncomplete), "100 bytes came; 64x48 bayer_rg8 needs 4576");
+  EXPECT_EQ(problem_of(*source, CaptureStatus::kIncomplete), "100 bytes arrived; 64x48 bayer_rg8 needs 4576");
   source.reset();
   EXPECT_FALSE(camera->streams());
   EXPECT_EQ(camera->mapped(), 0U);
@@ -321,7 +321,7 @@ TEST_F(V4l2, Nv12BecomesUyvy) {
       }
     }
     camera->deliver(std::span(bytes).first(12 * 5));
-    EXPECT_EQ(problem_of(*source, CaptureStatus::kIncomplete), "60 bytes came; 8x4 nv12 needs 68");
+    EXPECT_EQ(problem_of(*source, CaptureStatus::kIncomplete), "60 bytes arrived; 8x4 nv12 needs 68");
     std::vector<CapturedImage> held;
     for (int i = 0; i < 2; ++i) {
       camera->deliver(bytes);
@@ -331,7 +331,7 @@ TEST_F(V4l2, Nv12BecomesUyvy) {
     problem_of(*source, CaptureStatus::kTimeout);  // all image buffers are in use
     EXPECT_EQ(source->dropped(), 1U);
     camera->modes = {{V4L2_PIX_FMT_NV12, 8, 5, {30}}};
-    EXPECT_THAT(refusal({{"pixel_format", "nv12"}}), HasSubstr("nv12 refused: 8x5 does not suit it"));
+    EXPECT_THAT(refusal({{"pixel_format", "nv12"}}), HasSubstr("nv12 refused: it does not support 8x5"));
   }
 }
 
@@ -340,7 +340,7 @@ TEST_F(V4l2, APictureInSeveralPlanesIsRefused) {
   camera->capabilities = kPlanar;
   camera->planes = 2;
   EXPECT_EQ(refusal({{"camera", "A1"}}),
-            "camera \"A1\": pixel_format yuyv refused: the camera puts it into 2 planes");
+            "camera \"A1\": pixel_format yuyv refused: the camera delivers it in 2 planes");
 }
 
 TEST_F(V4l2, ADeviceWithBothKindsOfCallsIsAskedWithoutPlanes) {
@@ -359,7 +359,7 @@ TEST_F(V4l2, AnUnpluggedCameraIsLostAtOnce) {
   camera->deliver(1);
   const CapturedImage held = next_picture(*source);
   camera->unplug();
-  EXPECT_EQ(problem_of(*source, CaptureStatus::kLost), "camera \"A1\": it is no longer there");
+  EXPECT_EQ(problem_of(*source, CaptureStatus::kLost), "camera \"A1\": it is no longer connected");
 }
 
 TEST_F(V4l2, ADriverThatFailsIsLost) {
@@ -367,7 +367,7 @@ TEST_F(V4l2, ADriverThatFailsIsLost) {
   const auto source = open({{"camera", "A1"}});
   camera->fail(VIDIOC_DQBUF, EIO);
   EXPECT_EQ(problem_of(*source, CaptureStatus::kLost),
-            "camera \"A1\": it delivers no more: Input/output error");
+            "camera \"A1\": it delivers no more images: Input/output error");
 }
 
 TEST_F(V4l2, ACameraThatDoesNotTakeItsBuffersIsLost) {
@@ -379,7 +379,7 @@ TEST_F(V4l2, ACameraThatDoesNotTakeItsBuffersIsLost) {
   image = {};
   std::string problem;
   EXPECT_EQ(source->next(image, problem, kNow), CaptureStatus::kLost);
-  EXPECT_EQ(problem, "camera \"A1\": it does not take its buffers back: Invalid argument");
+  EXPECT_EQ(problem, "camera \"A1\": its buffers cannot be queued again: Invalid argument");
 }
 
 TEST_F(V4l2, ASilentCameraIsLostUnlessWeHoldItsBuffers) {
@@ -453,7 +453,7 @@ TEST_F(V4l2, SaysWhichCamerasThereAre) {
   EXPECT_EQ(refusal({{"camera", "A1"}}), "camera \"A1\": there is no video device");
   plug_in(0, "1", "same"), plug_in(1, "2", "same"), plug_in(2, "3", "");
   EXPECT_EQ(refusal({{"camera", "A1"}}),
-            "camera \"A1\": not found; there are \"usb-1\" (Fake Camera), \"usb-2\" (Fake Camera), "
+            "camera \"A1\": not found; available: \"usb-1\" (Fake Camera), \"usb-2\" (Fake Camera), "
             "\"usb-3\" (Fake Camera)");
   EXPECT_EQ(refusal({{"camera", "same"}}),
             "camera \"same\": 2 have this name; use one of \"usb-1\" (Fake Camera), \"usb-2\" (Fake Camera)");
@@ -462,8 +462,9 @@ TEST_F(V4l2, SaysWhichCamerasThereAre) {
   EXPECT_EQ(refusal({{"camera", path_of(2)}}),
             "camera \"" + path_of(2) + "\": this device delivers no images");
   for (auto& [path, camera] : cameras_) camera.reset();
-  EXPECT_EQ(refusal({{"camera", "A1"}}),
-            "camera \"A1\": " + path_of(2) + ": Permission denied; who may use it is in the group video");
+  EXPECT_EQ(
+      refusal({{"camera", "A1"}}),
+      "camera \"A1\": " + path_of(2) + ": Permission denied; only members of the group video may use it");
 }
 
 /// A depth camera has two devices, for colour and infrared images.
@@ -480,7 +481,7 @@ TEST_F(V4l2, DevicesOfOneCameraAreToldApartByTheirLinks) {
   EXPECT_TRUE(cameras_.at(path_of(1))->streams());
 }
 
-TEST_F(V4l2, AreListedWithWhatToPaste) {
+TEST_F(V4l2, AreListedWithTheirSettings) {
   const auto camera = plug_in(10, "1", "A1");
   camera->modes = {{V4L2_PIX_FMT_MJPEG, 64, 48, {30}},
                    {V4L2_PIX_FMT_YUYV, 64, 48, {30}},
@@ -535,10 +536,12 @@ TEST_F(V4l2, NamesWhatTheCameraDoesNotTake) {
   };
   EXPECT_EQ(refused({{"pixel_format", "rgb24"}}),
             "camera \"A1\": pixel_format rgb24 refused: the camera has yuyv");
-  EXPECT_EQ(refused({{"width", 1000}, {"height", 48}}),
-            "camera \"A1\": width x height 1000x48 refused: the camera made it 64x48; it has 64x48, 32x24");
-  EXPECT_EQ(refused({{"width", 64}, {"height", 48}, {"frame_rate_hz", 25}}),
-            "camera \"A1\": frame_rate_hz 25 refused: the camera made it 30; it has 30, 15 for 64x48 yuyv");
+  EXPECT_EQ(
+      refused({{"width", 1000}, {"height", 48}}),
+      "camera \"A1\": width x height 1000x48 refused: the camera set 64x48 instead; it has 64x48, 32x24");
+  EXPECT_EQ(
+      refused({{"width", 64}, {"height", 48}, {"frame_rate_hz", 25}}),
+      "camera \"A1\": frame_rate_hz 25 refused: the camera set 30 instead; it has 30, 15 for 64x48 yuyv");
   camera->failing = {{VIDIOC_S_FMT, EBUSY}};
   EXPECT_EQ(refused({{"width", 64}, {"height", 48}}),
             "camera \"A1\": pixel_format yuyv refused: another program uses it");
@@ -546,7 +549,7 @@ TEST_F(V4l2, NamesWhatTheCameraDoesNotTake) {
   EXPECT_EQ(refused({{"width", 64}, {"height", 48}}), "camera \"A1\": another program uses it");
   camera->failing = {{VIDIOC_STREAMON, ENOSPC}};
   EXPECT_EQ(refused({{"width", 64}, {"height", 48}}),
-            "camera \"A1\": does not start: too little is left of its USB bus");
+            "camera \"A1\": does not start: its USB bus has too little bandwidth left");
   EXPECT_EQ(camera->mapped(), 0U);
 }
 

@@ -35,7 +35,7 @@ TEST(V4l2Times, ATransferLastsUpToTheWholePeriod) {
   EXPECT_DOUBLE_EQ(*times.t_capture_sigma_s, std::hypot(kJitter, 0.1 / std::sqrt(12)));
 }
 
-TEST(V4l2Times, FlagsTellWhatTheStampIs) {
+TEST(V4l2Times, FlagsDefineTheTimestamp) {
   constexpr std::uint32_t kMonotonic = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
   EXPECT_EQ(stamped_at(0, false), V4l2StampedAt::kArrival);
   EXPECT_EQ(stamped_at(V4L2_BUF_FLAG_TIMESTAMP_COPY, false), V4l2StampedAt::kArrival);

@@ -341,7 +341,7 @@ TEST_F(Clip, WithoutAnIndexAllIsThere) {
   EXPECT_EQ(reader.camera(7)->missing, 5U);
 }
 
-TEST_F(Clip, CutAnywhereItHasWhatWasWhole) {
+TEST_F(Clip, ATruncatedClipHasItsCompleteFrames) {
   const std::vector<Kept> kept = write_small();
   const std::uint64_t size = fs::file_size(path());
   const std::uint64_t index_begin = block_ends_[block_ends_.size() - 2];
@@ -361,10 +361,10 @@ TEST_F(Clip, CutAnywhereItHasWhatWasWhole) {
   }
   for (const std::uint64_t end : {15, 9, 1}) {
     ASSERT_EQ(::truncate(path().c_str(), static_cast<off_t>(end)), 0);
-    EXPECT_EQ(refusal("a.clip"), "is no clip: it ends in its head");
+    EXPECT_EQ(refusal("a.clip"), "is not a clip: it ends within its header");
   }
   ASSERT_EQ(::truncate(path().c_str(), 0), 0);
-  EXPECT_EQ(refusal("a.clip"), "is no clip: it is empty");
+  EXPECT_EQ(refusal("a.clip"), "is not a clip: it is empty");
 }
 
 TEST_F(Clip, NoDamageGoesUnnoticed) {
@@ -388,7 +388,7 @@ TEST_F(Clip, NoDamageGoesUnnoticed) {
   }
 }
 
-TEST_F(Clip, WhatIsNoClipIsRefused) {
+TEST_F(Clip, OtherFilesAreRefused) {
   write_small();
   const std::string whole = read_file();
   write_file("empty.clip", "");
@@ -399,13 +399,13 @@ TEST_F(Clip, WhatIsNoClipIsRefused) {
   other[12] = 2;
   write_file("new.clip", other);
   ASSERT_EQ(::mkfifo(path("pipe.clip").c_str(), 0600), 0);
-  EXPECT_EQ(refusal("empty.clip"), "is no clip: it is empty");
-  EXPECT_EQ(refusal("text.clip"), "is no clip: it does not begin like one");
-  EXPECT_EQ(refusal("log.clip"), "is no clip: it does not begin like one");
-  EXPECT_EQ(refusal("as_text.clip"), "was changed by a transfer as text; transfer it as binary");
-  EXPECT_EQ(refusal("new.clip"), "version 2 of clips is not known; expected 1");
-  EXPECT_EQ(refusal("pipe.clip"), "is no clip: it is no file");
-  EXPECT_EQ(refusal("."), "is no clip: it is no file");
+  EXPECT_EQ(refusal("empty.clip"), "is not a clip: it is empty");
+  EXPECT_EQ(refusal("text.clip"), "is not a clip: it does not start with the clip signature");
+  EXPECT_EQ(refusal("log.clip"), "is not a clip: it does not start with the clip signature");
+  EXPECT_EQ(refusal("as_text.clip"), "was damaged by a transfer in text mode; transfer it in binary mode");
+  EXPECT_EQ(refusal("new.clip"), "has an unknown clip version 2; expected 1");
+  EXPECT_EQ(refusal("pipe.clip"), "is not a clip: not a regular file");
+  EXPECT_EQ(refusal("."), "is not a clip: not a regular file");
   EXPECT_EQ(refusal("nowhere.clip"), "cannot be read: No such file or directory");
   EXPECT_THROW(ClipReader("/dev/zero"), ClipError);
 }
@@ -450,7 +450,7 @@ TEST_F(Clip, BlocksOfLaterProgramsAreSkipped) {
   EXPECT_THAT(pixels_of(reader.read(0).image), ElementsAre('p', 'i', 'x', 'e', 'l', 's', '!', '!'));
 }
 
-TEST_F(Clip, AnIndexThatLiesIsNotBelieved) {
+TEST_F(Clip, AWrongIndexIsIgnored) {
   const std::string blocks = text_from(clip_head()) + setup_block(0, "{}") + frame_block(0, {}, "pixels!!") +
                              frame_block(1, {}, "PIXELS!!");
   const std::uint64_t first = text_from(clip_head()).size() + setup_block(0, "{}").size();
@@ -502,7 +502,7 @@ TEST_F(Clip, AnIndexThatLiesIsNotBelieved) {
   }
 }
 
-TEST_F(Clip, SizesThatLieAreRefused) {
+TEST_F(Clip, WrongSizesAreRefused) {
   const std::string begin = text_from(clip_head()) + setup_block(0, "{}");
   std::vector<ClipFrameHead> lies(9);
   lies[0].packet_bytes = ~std::uint64_t{0};
@@ -542,7 +542,7 @@ TEST_F(Clip, SizesThatLieAreRefused) {
 }
 
 /// Written by an earlier version, which could store parts of images, as in each camera's last two frames.
-TEST_F(Clip, OfImagesInPartsTheRestIsRead) {
+TEST_F(Clip, PartialImagesAreSkipped) {
   ClipReader reader(source_path("/tests/golden/parts.clip"));
   EXPECT_EQ(reader.problem(), "");
   EXPECT_EQ(reader.about().kind, "");
@@ -557,7 +557,7 @@ TEST_F(Clip, OfImagesInPartsTheRestIsRead) {
   }
 }
 
-TEST_F(Clip, ThoseOfCrashesOfEarlierVersionsAreKnown) {
+TEST_F(Clip, CrashClipsOfEarlierVersionsAreRecognised) {
   const auto kind_of = [&](const std::string& about) {
     write_file("a.clip", text_from(clip_head()) + block(ClipBlock::kAbout, 0, about));
     return ClipReader(path()).about().kind;
@@ -568,7 +568,7 @@ TEST_F(Clip, ThoseOfCrashesOfEarlierVersionsAreKnown) {
   EXPECT_EQ(kind_of(R"({"kind": 7})"), "");
 }
 
-TEST_F(Clip, TextsOfAFileShowAsWhatTheyAre) {
+TEST_F(Clip, ControlCharactersInTextsAreEscaped) {
   write_file("a.clip",
              text_from(clip_head()) + block(ClipBlock::kAbout, 0, R"({"site": "a\u001b[2Jb", "why": 3})") +
                  block(ClipBlock::kEvent, 0, R"({"time_s": 5, "kind": "x", "text": "a\nb"})") +
@@ -600,7 +600,7 @@ class SmallDisk {
   void (*handler_)(int);
 };
 
-TEST_F(Clip, AFullDiskLeavesWhatWasWhole) {
+TEST_F(Clip, AFullDiskLeavesTheCompleteFrames) {
   const OwnedImage image = noise_image(PixelFormat::kMono8, 40, 30, 1);
   ClipFrame frame;
   frame.image = image.view;
@@ -639,7 +639,7 @@ TEST_F(Clip, AFullDiskLeavesWhatWasWhole) {
   for (std::size_t i = 0; i <= added; ++i) EXPECT_TRUE(pixels_of(reader.read(i).image) == image.bytes);
 }
 
-TEST_F(Clip, WhatCannotBeWrittenIsNamed) {
+TEST_F(Clip, WriteErrorsNameTheFile) {
   write_file("there.clip", "");
   for (const std::string name : {"there.clip", "no/folder.clip"}) {
     try {
@@ -818,7 +818,7 @@ TEST_F(Clip, NoFileTakesMuchMemory) {
   EXPECT_TRUE(fits());
   const ClipReader many(path());
   EXPECT_EQ(many.cameras().size(), 256U);
-  EXPECT_THAT(many.problem(), HasSubstr("more than 524288 frames or 256 cameras; the rest is left out"));
+  EXPECT_THAT(many.problem(), HasSubstr("more than 524288 frames or 256 cameras; the rest is ignored"));
   {  // an image of zeros
     SparseFile file(path());
     file.put(begin, 0);
@@ -895,7 +895,7 @@ TEST_F(Clip, AllLimitsAtOnceTakeLittleMemory) {
   EXPECT_TRUE(test::fits_into(test::kMemoryForAFile, [&] { ClipReader(path()).setup(0); }));
 }
 
-TEST_F(Clip, AnImageThatIsTooLargeIsSaid) {
+TEST_F(Clip, TooLargeAnImageIsReported) {
   const ClipFrameHead head{
       .format = PixelFormat::kRgb24, .width = 4098, .height = 4098, .image_bytes = 3 * 4098 * 4098};
   {

@@ -116,7 +116,7 @@ std::string why_not_read(OpenFile file) {
   return "";
 }
 
-TEST(CrashRing, HasWhatAKilledProcessLeft) {
+TEST(CrashRing, HasTheFramesOfAKilledProcess) {
   ImageRing ring(left_by([](ImageRing& one) { fill(one, 200); }));
   const ImageRing::Extent extent = ring.extent();
   EXPECT_GT(extent.frames, 50U);
@@ -148,7 +148,7 @@ TEST(CrashRing, HasWhatAKilledProcessLeft) {
   EXPECT_TRUE(ring.setup(20).empty()) << "no frame had it";
 }
 
-TEST(CrashRing, WhatWasHeldWhenTheProcessEndedIsThere) {
+TEST(CrashRing, HasFramesHeldAtTheEndOfTheProcess) {
   ImageRing ring(left_by([](ImageRing& one) {
     fill(one);
     hold_all(one);
@@ -166,7 +166,7 @@ TEST(CrashRing, IsEmptyWhenTheProcessEndedWell) {
   struct stat about {};
   ASSERT_EQ(::fstat(file.fd(), &about), 0);
   EXPECT_EQ(about.st_blocks, 0) << "its memory was given back, though the file is open";
-  EXPECT_THAT(why_not_read(std::move(file)), HasSubstr("ended well"));
+  EXPECT_THAT(why_not_read(std::move(file)), HasSubstr("ended normally"));
 }
 
 TEST(CrashRing, IsReadOnce) {
@@ -197,7 +197,7 @@ TEST(CrashRing, IsThereAgainWhenItWasPutBack) {
   EXPECT_EQ(read_all(again), again.extent().frames);
 }
 
-TEST(CrashRing, RefusesWhatIsNoSuchMemory) {
+TEST(CrashRing, RefusesInvalidMemory) {
   EXPECT_THAT(why_not_read(OpenFile(::open("/dev/null", O_RDWR))), HasSubstr("no memory"));
   OpenFile small(::memfd_create("test", MFD_CLOEXEC | MFD_ALLOW_SEALING));
   EXPECT_THAT(why_not_read(OpenFile(::dup(small.fd()))), HasSubstr("no memory")) << "it may shrink";
@@ -290,7 +290,7 @@ TEST_F(DamagedCrashRing, SlotsThatPointElsewhereGiveNoFrame) {
   }
 }
 
-TEST(CrashRing, DamagedSetupsAreNotThere) {
+TEST(CrashRing, DropsDamagedSetups) {
   const std::size_t end =
       kClipBlockBytes + kClipSetupBytes + left_setup(1).about.dump().size() + left_setup(1).table.size();
   for (std::size_t at = 0; at < end + 100; ++at) {

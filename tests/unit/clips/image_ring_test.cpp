@@ -90,7 +90,7 @@ TEST(ImageRing, GivesBackLargeImagesOfAnySize) {
   }
 }
 
-TEST(ImageRing, ATimeThatIsNoNumberCostsNoFrameThatCanDoWithout) {
+TEST(ImageRing, DropsNonFiniteOptionalTimes) {
   ImageRing ring(kRingBytes);
   const OwnedImage image = noise_image(PixelFormat::kMono8, 64, 32, 1);
   ClipFrame frame = numbered(1, image.view);
@@ -126,7 +126,7 @@ TEST(ImageRing, ASlotHoldsTheBlockOfAClip) {
   EXPECT_EQ(frame_head->image_bytes, 2U * 70 * 50);
 }
 
-TEST(ImageRing, TellsWhatIsHeldAndWhatItWasProcessedWith) {
+TEST(ImageRing, ReportsHeldBytesAndSetups) {
   ImageRing ring(kRingBytes);
   const OwnedImage image = noise_image(PixelFormat::kMono8, 100, 100, 1);
   for (std::uint32_t number = 1; number <= 5; ++number) ASSERT_TRUE(ring.put(numbered(number, image.view)));
@@ -169,7 +169,7 @@ TEST(ImageRing, TheOldestMakeRoom) {
   for (std::size_t i = 1; i < kept.size(); ++i) EXPECT_EQ(kept[i], kept[i - 1] + 1);
 }
 
-TEST(ImageRing, WhatIsHeldStaysUntilItIsLetGo) {
+TEST(ImageRing, HeldFramesStayUntilReleased) {
   ImageRing ring(kRingBytes);
   const OwnedImage image = noise_image(PixelFormat::kMono8, 256, 256, 1);
   for (std::uint32_t number = 0; number < 10; ++number) ASSERT_TRUE(ring.put(numbered(number, image.view)));
@@ -201,7 +201,7 @@ TEST(ImageRing, ASecondClipMayHaveTheSameFrames) {
   }
 }
 
-TEST(ImageRing, WhatIsLargerThanItIsNotKept) {
+TEST(ImageRing, DropsFramesLargerThanItself) {
   ImageRing ring(1000);
   EXPECT_FALSE(ring.put(numbered(1, noise_image(PixelFormat::kMono8, 256, 256, 1).view)));
   EXPECT_EQ(ring.extent().frames, 0U);

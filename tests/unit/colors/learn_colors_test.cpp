@@ -232,7 +232,7 @@ TEST(LearnColors, OrangeThingsOfABallsSizeThatAreNotRoundTeachNoOrange) {
   }
 }
 
-TEST(LearnColors, WhatIsTooGreenForOrangeTeachesNone) {
+TEST(LearnColors, TooGreenAThingTeachesNoOrange) {
   DrawnScene drawn;
   add_teams(drawn, 0, 0, 8);  // without yellow dots to compare with
   drawn.cover(900, 600, 0, 21, {200, 177, 60});
@@ -246,7 +246,7 @@ TEST(LearnColors, OrangeThatIsClippedMayLookGreener) {
   EXPECT_EQ(learn_colors(task_of(drawn)).balls.size(), 1u);
 }
 
-TEST(LearnColors, WhatTheMaskHidesDoesNotTeach) {
+TEST(LearnColors, IgnoresMaskedPixels) {
   DrawnScene drawn;
   add_teams(drawn, 0);
   MaskSettings settings;

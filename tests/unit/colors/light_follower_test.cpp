@@ -113,7 +113,7 @@ TEST(LightFollower, FollowsItsColourSlowly) {
   EXPECT_EQ(hall.found_.size(), 6u);
 }
 
-TEST(LightFollower, WithoutConfirmedRobotsNothingMoves) {
+TEST(LightFollower, FreezesWithoutConfirmedRobots) {
   Hall hall;
   hall.look(1, 4);
   hall.robots_ = 1;
@@ -148,7 +148,7 @@ TEST(LightFollower, AShirtABagAndACardTeachNothing) {
   expect_gain(hall.state(), 0.6, 0.6, 0.6, 0.05);
 }
 
-TEST(LightFollower, NothingButWrongThingsTeachesNothing) {
+TEST(LightFollower, WrongThingsAloneTeachNothing) {
   Hall hall;
   hall.look(1, 4);
   hall.robots_ = 0;
@@ -185,7 +185,7 @@ TEST(LightFollower, AJumpThatLosesAllRobotsIsTriedFromTheCarpet) {
   EXPECT_EQ(hall.state().following, LightFollowing::kFollowing);
 }
 
-TEST(LightFollower, WhatTheCarpetSaysIsTakenBackUnlessRobotsConfirmIt) {
+TEST(LightFollower, ChangesFromTheCarpetAreRevertedUnlessRobotsConfirm) {
   Hall hall;
   hall.look(1, 4);
   hall.robots_ = 0;
@@ -230,7 +230,7 @@ TEST(LightFollower, GoesNoFurtherThanItsBounds) {
   hall.look(0.6, 10);
   expect_gain(hall.state(), 1 / 1.5, 1 / 1.5, 1 / 1.5, 0.01);
   EXPECT_EQ(hall.state().following, LightFollowing::kAtBound);
-  EXPECT_EQ(hall.state().why, "the brightness is more than a factor 1.5 from the accepted table's");
+  EXPECT_EQ(hall.state().why, "the brightness differs from the accepted table's by more than a factor 1.5");
 
   hall.params_.max_brightness = 4;
   hall.params_.max_brightness_per_min = 1.6;
@@ -245,7 +245,7 @@ TEST(LightFollower, GoesNoFurtherThanItsBounds) {
   hall.cast_ = 1.15;
   hall.look(0.6, 20);
   EXPECT_LT(hall.state().gain[0] / 0.6, 1.1);
-  EXPECT_THAT(hall.state().why, HasSubstr("colour moves by more than a factor 1.05"));
+  EXPECT_THAT(hall.state().why, HasSubstr("colour changes by more than a factor 1.05"));
 }
 
 TEST(LightFollower, StandsStillWhileTheGameRunsUnlessChosen) {
@@ -254,13 +254,13 @@ TEST(LightFollower, StandsStillWhileTheGameRunsUnlessChosen) {
   hall.game_is_running_ = true;
   hall.look(0.7, 8);
   expect_gain(hall.state(), 1, 1, 1, 0.03);
-  EXPECT_EQ(hall.state().why, "the game runs");
+  EXPECT_EQ(hall.state().why, "the game is running");
   hall.params_.in_match = true;
   hall.look(0.7, 8);
   expect_gain(hall.state(), 0.7, 0.7, 0.7, 0.05);
 }
 
-TEST(LightFollower, IsTakenBackAndSwitchedOff) {
+TEST(LightFollower, CanBeRevertedAndSwitchedOff) {
   Hall hall;
   hall.look(1, 4);
   hall.look(0.7, 6);

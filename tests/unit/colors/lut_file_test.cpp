@@ -72,7 +72,7 @@ TEST(TableFile, LabelsInJsonAreFoundByName) {
   const std::string text = table_json_text(painted(5, 20), there);
   EXPECT_EQ(Json::parse(text)["labels"][2], Json({{"value", 20}, {"name", "purple"}, {"color", "#8020c0"}}));
   EXPECT_TRUE(import_text(text, here)[0].table == painted(5, 11));
-  EXPECT_THAT(error_of_text(text), HasSubstr("a file: holds the label \"purple\", which is none of clear"));
+  EXPECT_THAT(error_of_text(text), HasSubstr("a file: has the label \"purple\", which is not one of clear"));
   EXPECT_TRUE(import_text(table_json_text(painted(5, 20)))[0].table == painted(5, 20)) << "without a name";
 }
 
@@ -178,7 +178,7 @@ TEST(TableFile, FindsTheLutsOfATreeWithTheirCameras) {
   EXPECT_EQ(&choose_table(tables, std::nullopt, 1, "a file"), &tables[1]);
   EXPECT_EQ(&choose_table(tables, 0, std::nullopt, "a file"), &tables[0]);
   EXPECT_THAT(error_of([&] { choose_table(tables, std::nullopt, std::nullopt, "a file"); }),
-              HasSubstr("a file: has several tables, choose one: 0: camera 0, 1: camera 1"));
+              HasSubstr("a file: has several tables; choose one: 0: camera 0, 1: camera 1"));
   EXPECT_THAT(error_of([&] { choose_table(tables, std::nullopt, 4, "a file"); }),
               HasSubstr("has 0 tables for camera 4; it has 0: camera 0"));
   EXPECT_THAT(error_of([&] { choose_table(tables, 2, std::nullopt, "a file"); }),
@@ -210,12 +210,12 @@ TEST(TableFile, SaysWhatIsWrongWithXml) {
               HasSubstr("\"/LUT Data\" has 1000 bytes; a LUT of SSL-Vision"));
   EXPECT_THAT(of_blob(blob(label::kPink).substr(0, 30'001)),
               HasSubstr("is not complete base64: the file was cut off"));
-  EXPECT_THAT(of_blob(blob(10)), HasSubstr("\"/LUT Data\" holds label 10; SSL-Vision's are 0 .. 9"));
+  EXPECT_THAT(of_blob(blob(10)), HasSubstr("\"/LUT Data\" has label 10; SSL-Vision's labels are 0 .. 9"));
   EXPECT_THAT(of_blob(""), HasSubstr("has 0 bytes"));
   EXPECT_THAT(error_of_text(xml(var("Global", "list", ""))), HasSubstr("a file: is XML without a LUT"));
   EXPECT_THAT(error_of_text(xml("<Var name=\"LUT 3D\" type=\"external\" filename=\"cam-0-lut.xml\"></Var>")),
-              HasSubstr("holds no LUT; it says they are in cam-0-lut.xml"));
-  EXPECT_THAT(error_of_text("<"), HasSubstr("begins like XML, but cannot be read as such"));
+              HasSubstr("has no LUT; it refers to cam-0-lut.xml"));
+  EXPECT_THAT(error_of_text("<"), HasSubstr("starts like XML, but is not valid XML"));
   EXPECT_THAT(error_of_text("hello"), HasSubstr("a file: is not a colour table: neither a .lut file"));
   EXPECT_THAT(error_of_text(""), HasSubstr("a file: is empty"));
 }
@@ -282,7 +282,7 @@ TEST_F(RealFile, TreesNameTheFilesThatHoldTheirLuts) {
   for (const char* name :
        {"league_robocup-ssl.xml", "robojackets_robocup-ssl.xml", "delft-comma-decimals_robocup-ssl.xml"}) {
     EXPECT_THAT(error_of_file(name),
-                AllOf(HasSubstr(name), HasSubstr("it says they are in robocup-ssl-cam-0-lut-yuv.xml")));
+                AllOf(HasSubstr(name), HasSubstr("it refers to robocup-ssl-cam-0-lut-yuv.xml")));
   }
   EXPECT_THAT(error_of_file("league_robocup-ssl-cam-0-mask.xml"), HasSubstr("is XML without a LUT"));
 }

@@ -69,7 +69,7 @@ TEST(NameDots, NamesTheOnlyTeamByTheSideDots) {
   EXPECT_GT(named.gains[0], named.gains[2]);
 }
 
-TEST(NameDots, RefusesWhatIsNeither) {
+TEST(NameDots, RefusesAmbiguousDots) {
   // Grey dots: as near to pink as to green.
   const Label white = label::kWhite;
   const std::vector<SeenRobot> robots{robot_of({label::kBlue, white, white, white, white})};

@@ -145,7 +145,7 @@ TEST(PixelFigures, ARectangleIsCutToThePictureAndGrownToCells) {
   EXPECT_THAT(block.colors, ElementsAre(to_yuv(kSpot)));
 }
 
-TEST(PixelFigures, ARegionHangsTogether) {
+TEST(PixelFigures, ARegionIsConnected) {
   Scene scene(PixelFormat::kRgb24, kGround, kSpot);
   scene.put(0, 5, kSpot);  // far from the others
   scene.put(6, 4, kSpot);  // touches at a corner

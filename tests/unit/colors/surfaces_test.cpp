@@ -166,7 +166,7 @@ TEST(Surfaces, StayClearInTheLightOfTheRange) {
   }
 }
 
-TEST(Surfaces, CarpetThatShinesKeepsTheMarginWhereItIsEnoughForAFlood) {
+TEST(Surfaces, ShiningCarpetLargeEnoughForAFloodKeepsTheMargin) {
   for (int side = 14; side <= 40; side += 2) {
     Hall hall;
     hall.add_box(100, 100, 100 + side, 100 + side, {87, 188, 102});  // carpet in 1.45 times the light
@@ -179,7 +179,7 @@ TEST(Surfaces, CarpetThatShinesKeepsTheMarginWhereItIsEnoughForAFlood) {
   }
 }
 
-TEST(Surfaces, TheCarpetTakesFromAnyLabelOthersNoneThatIsToBeKept) {
+TEST(Surfaces, OnlyTheCarpetClearsKeptColours) {
   Hall hall;
   hall.add_box(20, 20, 120, 100, kOrange);  // an advertising board
   const SurfaceColors surfaces = see(hall);
@@ -197,7 +197,7 @@ TEST(Surfaces, TheCarpetTakesFromAnyLabelOthersNoneThatIsToBeKept) {
   EXPECT_EQ(kept.of(carpet), label::kClear);
 }
 
-TEST(Surfaces, TheCarpetTakesNothingToBeKeptOfAnotherHue) {
+TEST(Surfaces, TheCarpetClearsNoKeptColourOfAnotherHue) {
   const Hall hall;
   const SurfaceColors surfaces = see(hall);
   const auto cleared = [&](bool keep) {
@@ -227,7 +227,7 @@ TEST(Surfaces, LeaveFieldWhiteAndBlackAlone) {
   EXPECT_FALSE(is_surface_label(label::kGreen));
 }
 
-TEST(Surfaces, DotsAreNoneAndLinesAreNeitherCarpetNorFloor) {
+TEST(Surfaces, ExcludeDotsAndLines) {
   Hall hall;
   hall.add_box(0, 120, Hall::kWidth, 126, kWhite);
   for (int i = 0; i < 12; ++i) hall.add_disc(15 + 23 * i, 30 + 5 * (i * 7 % 11), kDot_px / 2, kPink);
@@ -241,7 +241,7 @@ TEST(Surfaces, DotsAreNoneAndLinesAreNeitherCarpetNorFloor) {
   EXPECT_TRUE(reach_of(surfaces, SurfaceKind::kFloor, kAsSeen)(to_yuv(kFloor)));
 }
 
-TEST(Surfaces, LinesAreNoFloorOfTheirColour) {
+TEST(Surfaces, LinesAreNotFloorOfSimilarColour) {
   constexpr Rgb kGrey{120, 120, 120};
   Hall hall;
   hall.add_box(Hall::kFloorFrom, 0, Hall::kWidth, Hall::kHeight, kGrey);
@@ -253,7 +253,7 @@ TEST(Surfaces, LinesAreNoFloorOfTheirColour) {
   EXPECT_TRUE(reach_of(surfaces, SurfaceKind::kOther, kAsSeen)(to_yuv(kWhite)));
 }
 
-TEST(Surfaces, WhatIsLeftOutIsNone) {
+TEST(Surfaces, ExcludeTheGivenDiscs) {
   Hall hall;
   hall.add_disc(100, 100, 30, kPink);  // a large hull
   constexpr ClearRange kAsSeen{.darkest = 1, .brightest = 1};

@@ -42,13 +42,13 @@ std::vector<std::string> swapped(const ColorSettings& colors) {
   return out;
 }
 
-TEST(SwappedLabels, AreNoneInATableThatIsRightAlsoUnderOtherLamps) {
+TEST(SwappedLabels, AreNoneInACorrectTableUnderAnyLamp) {
   for (const int by_deg : {-40, -20, 0, 20, 40})
     EXPECT_THAT(swapped(demo_colors({}, by_deg)), IsEmpty()) << by_deg;
   EXPECT_THAT(swapped({}), IsEmpty()) << "an empty one";
 }
 
-TEST(SwappedLabels, AreThoseThatHaveTheHueOfAnother) {
+TEST(SwappedLabels, AreLabelsWithAnotherLabelsHue) {
   EXPECT_THAT(swapped(demo_colors({{"pink", "green"}, {"green", "pink"}})),
               UnorderedElementsAre("pink is green", "green is pink"));
   EXPECT_THAT(swapped(demo_colors({{"blue", "yellow"}, {"yellow", "blue"}})),

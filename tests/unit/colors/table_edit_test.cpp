@@ -54,7 +54,7 @@ void edit(ColorTable& table, const TableEdit& edit) {
   EXPECT_TRUE(again.labels == table.labels);
 }
 
-TEST(TableEdit, AClusterLeavesASurfaceWhatIsClear) {
+TEST(TableEdit, AClusterKeepsASurfacesClearCells) {
   const ColorCluster cluster{{},
                              ColorCluster::Spread{{100, 120, 140}, {{{16, 0, 0}, {0, 16, 0}, {0, 0, 16}}}}};
   ColorTable whole(7), table(7);
@@ -88,7 +88,7 @@ std::shared_ptr<const SurfaceColors> flat_surfaces(Rgb carpet, Rgb floor) {
   return out;
 }
 
-TEST(TableEdit, WideningMarginsKeepsWhatIsTypicalOfALabelFromTheFloor) {
+TEST(TableEdit, WideningMarginsKeepsALabelsTypicalColours) {
   constexpr Rgb kCarpet{40, 90, 50}, kFloor{120, 118, 116};
   const auto at_rgb = [](const ColorTable& table, Rgb color) { return table.of(to_yuv(color)); };
   constexpr Rgb kGreyish{116, 122, 112};
@@ -312,7 +312,7 @@ TEST(TableEdit, SaysWhatItDid) {
   EXPECT_EQ(what_it_did(EraseEdit{{}, {}, Shape::kBall, label::kBlue}), "erased blue");
   EXPECT_EQ(what_it_did(GrowEdit{label::kPink, 2}), "grew pink by 2 cells");
   EXPECT_EQ(what_it_did(ShrinkEdit{label::kPink, 1}), "shrank pink by 1 cell");
-  EXPECT_EQ(what_it_did(ReplaceEdit{label::kPink, 17}), "replaced pink by label 17");
+  EXPECT_EQ(what_it_did(ReplaceEdit{label::kPink, 17}), "replaced pink with label 17");
   EXPECT_EQ(what_it_did(WidenMarginsEdit{}), "widened the margins to carpet and floor");
   EXPECT_EQ(what_it_did(SetTableEdit{ColorTable(5), "imported robots.lut"}), "imported robots.lut");
 }

@@ -26,7 +26,7 @@ TableEdit random_edit(std::mt19937& random) {
   }
 }
 
-TEST(TableHistory, WhateverIsUndoneAndRedoneIsAsItWas) {
+TEST(TableHistory, UndoAndRedoRestoreEveryState) {
   std::mt19937 random(1);
   ColorTable table(5);
   for (auto& print : table.prints) print = PrintColor{{3000, 3000, 4000}, 500};
@@ -71,7 +71,7 @@ TEST(TableHistory, WhateverIsUndoneAndRedoneIsAsItWas) {
   }
 }
 
-TEST(TableHistory, UndoLeavesCellsAloneThatHoldSomethingElseByNow) {
+TEST(TableHistory, UndoKeepsCellsThatChangedMeanwhile) {
   ColorTable table(5);
   TableHistory history;
   history.add({"painted pink", "me", 1, apply_edit(table, PaintEdit{label::kPink, {0, 0, 0}, {40, 0, 0}})});
@@ -81,7 +81,7 @@ TEST(TableHistory, UndoLeavesCellsAloneThatHoldSomethingElseByNow) {
   EXPECT_EQ(table.labels[2], label::kBlue);
 }
 
-TEST(TableHistory, ANewStepEndsWhatCanBeRedone) {
+TEST(TableHistory, ANewStepClearsRedo) {
   ColorTable table(5);
   TableHistory history;
   history.add({"one", "me", 1, {{0, 1, 0, 1}}});

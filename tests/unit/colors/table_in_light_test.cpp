@@ -93,7 +93,7 @@ TEST(TableInLight, AreasOfOtherLightCountToo) {
   }
 }
 
-TEST(TableInLight, WhatIsNamedBackgroundStaysThatInAreasOfOtherLight) {
+TEST(TableInLight, BackgroundColoursStayBackgroundInAreasOfOtherLight) {
   // Carpet in average light and green in the darkest area have the same colour: the label in average light,
   // carpet, wins.
   std::vector<Label> labels(Lut::kEntries, label::kClear);

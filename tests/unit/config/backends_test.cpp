@@ -38,7 +38,7 @@ TEST(Cameras, BackendThatWasNotBuiltNamesItsPackage) {
             "install libmycam-dev and build again; known: files, simulator");
 }
 
-TEST(Cameras, ACameraHasAllNamesOfTheOneThatIsFound) {
+TEST(Cameras, ACameraIsKnownByAllNamesOfItsDevice) {
   using ::testing::UnorderedElementsAre;
   const std::vector<FoundCamera> found{
       {"a webcam", {{"backend", "v4l2"}, {"camera", "/dev/video0"}}},

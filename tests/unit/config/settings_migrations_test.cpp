@@ -19,7 +19,7 @@ Json current(Json file) {
   return up_to_date(std::move(file), settings_migrations());
 }
 
-TEST(SettingsMigrations, OfTheLightsLimitsKeepTheirValues) {
+TEST(SettingsMigrations, KeepTheLimitsOfFollowLight) {
   const Json old = Json::parse(R"({
     "site": "Hall",
     "cameras": [
@@ -57,12 +57,12 @@ TEST(SettingsMigrations, OldKeysGiveTheSameSettingsAsNewOnes) {
               ThrowsMessage<SettingsError>(HasSubstr("most_brightness")));
 }
 
-TEST(SettingsMigrations, OfVersion2LeaveOldKeysToTheCheck) {
+TEST(SettingsMigrations, KeepOldKeysInVersion2) {
   const Json file = Json::parse(R"({"version": 2, "cameras": [{"follow_light": {"least_robots": 3}}]})");
   EXPECT_EQ(current(file)["cameras"][0]["follow_light"], (Json{{"least_robots", 3}}));
 }
 
-TEST(SettingsMigrations, NameNoComputerWhereAllWereUsed) {
+TEST(SettingsMigrations, ReplaceTheSwitchForOtherComputersByAnEmptyList) {
   for (const char* before : {"true", "false"}) {
     for (const char* version : {"", R"("version": 2, )"}) {
       const std::string file = "{" + std::string(version) +
@@ -107,7 +107,7 @@ TEST(SettingsMigrations, ImagesInPartsBecomeWholeOnes) {
   }
 }
 
-TEST(SettingsMigrations, AMissingSubstitutionAreaIsThatOfTheRules) {
+TEST(SettingsMigrations, SetAMissingSubstitutionAreaToTheRules) {
   const auto width = [](int version, int before) {
     const Json file{{"version", version}, {"field", {{"goal_substitution_area_width", before}}}};
     return complete_settings(current(file)).at("field").at("goal_substitution_area_width");
@@ -119,7 +119,7 @@ TEST(SettingsMigrations, AMissingSubstitutionAreaIsThatOfTheRules) {
   EXPECT_EQ(width(3, 0), 0) << "somebody set it so";
 }
 
-TEST(SettingsMigrations, LeaveWhatIsOfAnotherTypeToTheCheck) {
+TEST(SettingsMigrations, KeepValuesOfTheWrongType) {
   for (const char* text : {"[]", "7", R"({"field": 7})", R"({"field": {"other_computers": 7}})",
                            R"({"field": {"goal_substitution_area_width": "0"}})", R"({"cameras": {}})",
                            R"({"cameras": [7, null]})", R"({"cameras": [{"follow_light": 7}]})",

@@ -89,7 +89,7 @@ TEST_F(AccuracyBoundTest, GrowsWithNoiseAndWithMotion) {
   EXPECT_GT(robot_bound(picture_, moving)->position_mm, 1.2 * still);
 }
 
-TEST_F(AccuracyBoundTest, AThirdOfTheValuesSaysAThirdAsMuch) {
+TEST_F(AccuracyBoundTest, AThirdOfTheValuesHasAThirdOfTheInformation) {
   // A Bayer image of the same grey scene has a third of the RGB image's values.
   std::vector<std::uint8_t> mosaic(kSize * kSize);
   for (std::size_t i = 0; i < mosaic.size(); ++i) mosaic[i] = bytes_[3 * i];

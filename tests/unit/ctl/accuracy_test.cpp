@@ -82,7 +82,7 @@ TEST_F(Accuracy, RunsAndTabulatesAConditionAndNamesWhatFails) {
   EXPECT_EQ(json["rows"][0]["robots"]["expected"], row.score.robots.expected);
 }
 
-TEST_F(Accuracy, HallsShareTheFramesAndEachIsAnotherOne) {
+TEST_F(Accuracy, HallsShareTheFramesAndDiffer) {
   suite_["halls"] = {1, 2};
   suite_["source"]["hall"] = {{"kind", "usual"}};
   const AccuracyReport both = run_accuracy_suite(read(), {{}, 4});
@@ -98,7 +98,7 @@ TEST_F(Accuracy, HallsShareTheFramesAndEachIsAnotherOne) {
   EXPECT_NE(first.rows[0].score.robot_position_mm.rms, second.rows[0].score.robot_position_mm.rms);
 }
 
-TEST_F(Accuracy, AHallWhereNothingIsLearntIsARowThatFailsAndSaysWhy) {
+TEST_F(Accuracy, AHallWithoutLearntColoursIsAFailedRowWithAReason) {
   suite_["colors"] = "learnt";
   suite_["learn_frames"] = 1;
   suite_["halls"] = {3, 4};
@@ -153,7 +153,7 @@ TEST_F(Accuracy, PassesWithoutFailures) {
   EXPECT_THAT(accuracy_text(report, false), testing::Not(HasSubstr("FAILED")));
 }
 
-TEST_F(Accuracy, RefusesWhatIsNotASuite) {
+TEST_F(Accuracy, RefusesInvalidSuites) {
   const Json good = suite_;
   const auto error_with = [&](const char* pointer, const Json& value) {
     suite_ = good;

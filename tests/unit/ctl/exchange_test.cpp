@@ -205,7 +205,7 @@ TEST(Exchange, ALargeFileComesInPieces) {
               HasSubstr("sends more than 1 MiB"));
 }
 
-TEST(Exchange, AnAnswerThatNeverComesToItsEndIsNotWaitedFor) {
+TEST(Exchange, AnEndlesslySlowAnswerTimesOut) {
   ExchangeLimits limits = small();
   limits.header = limits.whole = std::chrono::milliseconds(300);
   for (const char* head : {"", "HTTP/1.1 200 OK\r\n", "HTTP/1.1 200 OK\r\nContent-Length: 1000000\r\n\r\n"}) {
@@ -233,7 +233,7 @@ TEST(Client, ShowsWordsOfAServerAsText) {
             R"(no\u001b]0;x\u0007 \u009b \u202e\u000assl-visionctl: all is well)");
 }
 
-TEST(Client, TakesNoJsonThatIsTooDeepOrNone) {
+TEST(Client, RefusesInvalidAndTooDeepJson) {
   for (const std::string& body : {std::string(500'000, '['), std::string("\x1b[2J"),
                                   std::string(500'000, '[') + std::string(500'000, ']')}) {
     const Server server =

@@ -36,7 +36,7 @@ TEST(SettingsEdit, ReplacesWhatIsThereAndAddsWhatIsNot) {
       ThrowsMessage<std::runtime_error>(HasSubstr("\"list\" is not a place in the settings")));
 }
 
-TEST(SettingsEdit, SaysWhatIsThereInsteadOfWhatIsAskedFor) {
+TEST(SettingsEdit, ListsTheExistingKeysForAnUnknownOne) {
   const Json tree = Json::parse(R"({"field": {"length": 1, "width": 2}, "cameras": [1, 2]})");
   EXPECT_EQ(value_at(tree, "/field/width"), 2);
   EXPECT_EQ(value_at(tree, ""), tree);

@@ -43,15 +43,16 @@ TEST(Refusal, SaysWhoChangedWhatSince) {
             "/site: 4 is not allowed");
   EXPECT_EQ(refusal_text("/api/x", 502, "<html>"), "/api/x: HTTP status 502");
   const Json stale =
-      Json::parse(R"({"error": "the settings are at revision 3, this edit was made on 1", "revision": 3,
+      Json::parse(R"({"error": "the settings are at revision 3, but this edit was made on 1", "revision": 3,
     "changed_since": [
       {"revision": 3, "time": 2, "who": "192.168.1.5", "what": "", "changes": [
         {"op": "replace", "path": "/site", "before": "A", "after": "B"},
         {"op": "add", "path": "/ids/0", "after": 1}]},
       {"revision": 2, "time": 1, "who": "192.168.1.6", "what": "", "changes": []}]})");
-  EXPECT_EQ(refusal_text("/api/settings", 409, stale.dump()),
-            "the settings are at revision 3, this edit was made on 1; 192.168.1.5 made revision 3: /site: "
-            "\"A\" -> \"B\", /ids/0: nothing -> 1; 192.168.1.6 made revision 2");
+  EXPECT_EQ(
+      refusal_text("/api/settings", 409, stale.dump()),
+      "the settings are at revision 3, but this edit was made on 1; 192.168.1.5 made revision 3: /site: "
+      "\"A\" -> \"B\", /ids/0: nothing -> 1; 192.168.1.6 made revision 2");
 }
 
 TEST(TerminalText, IsPlainWhateverTheDaemonSays) {
@@ -70,7 +71,7 @@ TEST(TerminalText, LeavesOrdinaryWordsAlone) {
   EXPECT_EQ(answer_text(good, true, alerts_text), good.dump(2) + "\n");
 }
 
-TEST(Quantiles, OfNonsenseAreNone) {
+TEST(Quantiles, RefuseInvalidHistograms) {
   EXPECT_FALSE(quantile_us(Json::parse(R"({"edges_us": [0, 1, 2], "counts": [5, -1]})"), 2));
 }
 

@@ -77,14 +77,14 @@ TEST(Truth, ADraftIsWhatWasFoundAndNotCheckedYet) {
                                       HasSubstr("  1  yellow 3 "), HasSubstr("  3  ball ")));
 }
 
-TEST(Truth, WhatIsNotThereIsRemovedAndOthersKeepTheirNumbers) {
+TEST(Truth, RemovedMarksDoNotRenumberOthers) {
   const Json line = corrected({.remove = {1}});
   ASSERT_EQ(line["robots"].size(), 1U);
   EXPECT_EQ(line["robots"][0]["number"], 2);
   EXPECT_EQ(scored(draft(), line).robots.invented, 1U);
 }
 
-TEST(Truth, WhatIsDoubtfulMayBeFoundOrNot) {
+TEST(Truth, DoubtfulMarksMayBeFoundOrNot) {
   const Json line = corrected({.doubtful = {2, 3}});
   Json without = draft();
   without["robots"].erase(1);
@@ -108,7 +108,7 @@ TEST(Truth, TwoRobotsMayChangeTheirIds) {
   EXPECT_EQ(line["robots"][2]["id"], 3);
 }
 
-TEST(Truth, WhatWasMissedIsAddedByItsPixels) {
+TEST(Truth, MissedThingsAreAddedByTheirPixels) {
   const Json line =
       corrected({.robots = {{Team::kBlue, 0, 220, 140, 220, 100}}, .balls = {{420, 240}}, .checked = true});
   ASSERT_EQ(line["robots"].size(), 3U);
@@ -126,7 +126,7 @@ TEST(Truth, WhatWasMissedIsAddedByItsPixels) {
   EXPECT_TRUE(score.frames_not_checked.empty());
 }
 
-TEST(Truth, WhatCannotBeIsRefused) {
+TEST(Truth, InvalidCorrectionsAreRefused) {
   EXPECT_EQ(refusal({.remove = {9}}), "image hall: has no mark 9; it has 1, 2, 3");
   EXPECT_EQ(refusal({.ids = {{3, 1}}}), "image hall: mark 3 is a ball and has no id");
   EXPECT_EQ(refusal({.balls = {{640, 10}}}), "image hall: 640, 10 is not in it; it has 640x480 pixels");

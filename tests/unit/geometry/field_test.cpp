@@ -51,7 +51,7 @@ TEST(Field, OddSizesHaveTheirLinesAtHalfMillimetres) {
   EXPECT_THAT(lines.at("LeftPenaltyStretch"), testing::ElementsAre(-3500.5, -1000.5, -3500.5, 1000.5));
 }
 
-TEST(Field, WhatHasNoSizeIsNotPainted) {
+TEST(Field, LinesOfSizeZeroAreNotPainted) {
   FieldSize field;
   field.penalty_area_depth = 0;
   field.center_circle_radius = 0;
@@ -108,7 +108,7 @@ FieldSize from_settings(const char* settings) {
   return params_from_json<FieldSize>(Json::parse(settings), "/field");
 }
 
-TEST(Field, GivenLinesAndArcsStandInThePlaceOfTheLeagues) {
+TEST(Field, GivenLinesAndArcsReplaceTheLeagues) {
   const FieldSize field = from_settings(R"({
     "line_thickness": 12,
     "field_lines": [{"name": "TopTouchLine", "x1": -4480, "y1": 2990, "x2": 4505, "y2": 3004},
@@ -149,7 +149,7 @@ TEST(Field, RobotsWaitInFrontOfTheWallBehindTheGoal) {
   EXPECT_FALSE(waits_behind_goal(b, true, 4600, 600)) << "there is none";
 }
 
-TEST(Field, AnEmptyListMeansThatNothingIsPaintedAndNullThatTheSizesSay) {
+TEST(Field, AnEmptyListPaintsNothingAndNullPaintsTheUsualLines) {
   const FieldSize none = from_settings(R"({"field_lines": [], "field_arcs": []})");
   EXPECT_TRUE(field_lines(none).empty());
   EXPECT_TRUE(field_arcs(none).empty());
@@ -169,10 +169,10 @@ TEST(Field, LinesThatCannotBeToldApartAreRefused) {
   };
   EXPECT_EQ(
       refusal(R"({"field_lines": [{"name": "A"}, {"name": "B"}, {"name": "A"}]})"),
-      R"(/field/field_lines/2/name: "A" is not allowed; expected a name that /field/field_lines/0 does not have)");
+      R"(/field/field_lines/2/name: "A" is not allowed; expected a name other than that of /field/field_lines/0)");
   EXPECT_EQ(
       refusal(R"({"field_lines": [{"name": "A"}], "field_arcs": [{"name": "A"}]})"),
-      R"(/field/field_arcs/0/name: "A" is not allowed; expected a name that /field/field_lines/0 does not have)");
+      R"(/field/field_arcs/0/name: "A" is not allowed; expected a name other than that of /field/field_lines/0)");
   EXPECT_EQ(refusal(R"({"field_lines": [{"x1": 5}]})"),
             R"(/field/field_lines/0/name: "" is not allowed; expected a name of at most 60 bytes)");
   EXPECT_EQ(refusal(R"({"field_arcs": [{"name": "A", "a1": 2, "a2": 1}]})"),

@@ -45,7 +45,7 @@ TEST(MetricsText, EscapesWhatWouldEndALineOrALabel) {
             "# HELP one a \\\\ \"b\"\\nc\n# TYPE one gauge\none{name=\"a \\\\ \\\"b\\\"\\nc\"} 1\n");
 }
 
-TEST(MetricsText, WritesWhatIsNoNumberAsPrometheusReadsIt) {
+TEST(MetricsText, WritesNonFiniteValuesAsPrometheusReadsThem) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   MetricsText out;
   out.begin("one", "gauge", "1.");

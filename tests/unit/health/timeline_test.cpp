@@ -32,7 +32,7 @@ TEST(Timeline, CountsByTheSecondWhatCamerasCountFromTheirStart) {
   EXPECT_EQ(timeline.sum(9, 60).seconds, 0u);
 }
 
-TEST(Timeline, FollowsAClockThatIsSetAndNoOther) {
+TEST(Timeline, FollowsOnlyClockChanges) {
   Timeline timeline;
   timeline.add(5000, 100, {});
   timeline.add(5001.001, 101, {});
@@ -65,7 +65,7 @@ TEST(Timeline, HasNoTimesOfASecondWithoutAFrame) {
   EXPECT_EQ(json["cameras"][0]["robots"], Json::array({6}));
 }
 
-TEST(Timeline, GoesOnWhenACamerasCountersBeginAnew) {
+TEST(Timeline, ContinuesWhenACamerasCountersRestart) {
   Timeline timeline;
   timeline.add(100, 100, {{0, running(1000)}});
   timeline.add(101, 101, {{0, running(20)}});

@@ -104,7 +104,7 @@ TEST(JpegDecoder, TablesMayBeMissing) {
   EXPECT_EQ(decoded.bytes, decode(whole).bytes);
 }
 
-TEST(JpegDecoder, BytesBeforeTheEndHarmNothing) {
+TEST(JpegDecoder, IgnoresExtraBytesBeforeTheEnd) {
   std::vector<std::uint8_t> jpeg = jpeg_of(TJSAMP_422);
   const Decoded plain = decode(jpeg);
   jpeg.insert(jpeg.end() - 2, {0, 0, 0});

@@ -349,7 +349,7 @@ struct Variable {
   const char* name;
 };
 
-TEST(SandboxedRows, ADefaultThatIsNoNumberIsRefused) {
+TEST(SandboxedRows, ANonFiniteDefaultIsRefused) {
   const Variable set("SSLV_TEST_NAN_DEFAULT");
   Supervisor supervisor(patient());
   try {
@@ -357,11 +357,11 @@ TEST(SandboxedRows, ADefaultThatIsNoNumberIsRefused) {
     ADD_FAILURE() << "is not refused";
   } catch (const StageLibraryError& error) {
     EXPECT_THAT(error.what(),
-                HasSubstr("its parameter 'a' has a default or a range that is no finite number"));
+                HasSubstr("its parameter 'a' has a default or a range that is not a finite number"));
   }
 }
 
-TEST(SandboxedRows, WhatALibraryHasStartedIsNotWaitedFor) {
+TEST(SandboxedRows, DoNotWaitForALibrarysChildProcesses) {
   const Variable set("SSLV_TEST_LEAVES_CHILD");
   Supervisor supervisor(patient());
   EXPECT_FALSE(sandboxed_rows(kLibrary, supervisor, kPatience).camera.empty());
@@ -382,7 +382,7 @@ TEST(SandboxedRows, ALibraryThatWasExchangedIsRefused) {
   const Variable set("SSLV_TEST_OTHER_PARTS");
   EXPECT_EQ(why_not_made(row(apart.rows.camera, "double_tags")), "it is made");
   EXPECT_THAT(why_not_made(row(apart.rows.camera, "find_tags")),
-              HasSubstr("its library was exchanged and has other parts now"));
+              HasSubstr("its library was replaced and has other parts now"));
 }
 
 TEST(SandboxedRows, AStampIsReadAgainAtEachStart) {
@@ -400,7 +400,7 @@ TEST(SandboxedRows, AStampIsReadAgainAtEachStart) {
               HasSubstr("is built for version 99 of the stage kit"));
 }
 
-TEST(SandboxedRows, OneThatHangsAtItsStartIsWaitedForOnce) {
+TEST(SandboxedRows, AStageThatHangsAtStartIsWaitedForOnce) {
   Supervisor::Options options = patient();
   options.longest_wait = std::chrono::milliseconds(20);
   const Apart apart(options);
@@ -409,12 +409,12 @@ TEST(SandboxedRows, OneThatHangsAtItsStartIsWaitedForOnce) {
   EXPECT_TRUE(becomes([] { return stage_processes().size() == 8; })) << "they start all the same";
 }
 
-TEST(SandboxedRows, ALibraryThatIsNoneIsRefused) {
+TEST(SandboxedRows, AMissingLibraryIsRefused) {
   Supervisor supervisor(patient());
   EXPECT_THROW(sandboxed_rows("/nowhere/stages.so", supervisor, kPatience), StageLibraryError);
 }
 
-TEST(SandboxedRows, WhatAConstructorThrowsIsToldAtOnce) {
+TEST(SandboxedRows, AConstructorsExceptionIsReportedAtOnce) {
   const Apart apart;
   const CameraSetup setup = setup_of(apart.rows.camera, {"cannot_start"});
   EXPECT_EQ(setup.pipeline->note(0).kind, StageNotes::Kind::kWarning);
@@ -490,7 +490,7 @@ TEST(SandboxedStage, PartsOfLibrariesGoFromOneProcessToTheNext) {
   }
 }
 
-TEST(SandboxedStage, APartOfALibraryStaysAsItWasWhenTheAnswerIsNoGood) {
+TEST(SandboxedStage, AnInvalidReplyLeavesALibrarysPartUnchanged) {
   const Apart apart;
   const StageRows inside = load_rows(kLibrary);
   std::vector<StageType> rows{row(inside.camera, "find_tags"), row(inside.camera, "count_tags"),
@@ -508,10 +508,10 @@ TEST(SandboxedStage, APartOfALibraryStaysAsItWasWhenTheAnswerIsNoGood) {
       EXPECT_EQ(frame.balls.balls[1 + static_cast<std::size_t>(tag)].y_mm, i + 0.5);
     }
   }
-  EXPECT_THAT(camera.setup()->pipeline->note(2).text, HasSubstr("gave results without sense for 5 of"));
+  EXPECT_THAT(camera.setup()->pipeline->note(2).text, HasSubstr("gave invalid results for 5 of"));
 }
 
-TEST(SandboxedStage, AListThatIsTooLongIsNotMade) {
+TEST(SandboxedStage, TooLongAListIsNotAllocated) {
   Frame sent;
   sent.balls.balls.resize(250'000);
   PartSet balls;
@@ -643,7 +643,7 @@ struct Troubled {
   }
   StageNotes::Note note() const { return setup.pipeline->note(1); }
   int times_started_again() const {
-    const std::string text = note().text, before = "started again, ";
+    const std::string text = note().text, before = "; restarted ";
     const std::size_t at = text.find(before);
     return at == std::string::npos ? 0 : std::stoi(text.substr(at + before.size()));
   }
@@ -654,26 +654,26 @@ struct Troubled {
   std::size_t frames = 0;
 };
 
-TEST(SandboxedStage, ACrashCostsItsOwnResultsOnlyAndIsTold) {
+TEST(SandboxedStage, ACrashIsReportedAndCostsOnlyItsOwnResults) {
   Troubled troubled(Trouble::kCrash);
   EXPECT_TRUE(becomes([&] {
     troubled.frame();
     return troubled.times_started_again() >= 3;
   })) << troubled.note().text;
-  EXPECT_THAT(troubled.note().text, HasSubstr("its process ended by signal 11 at "));
+  EXPECT_THAT(troubled.note().text, HasSubstr("its process was killed by signal 11 at "));
   EXPECT_EQ(troubled.note().kind, StageNotes::Kind::kWarning);
   EXPECT_EQ(troubled.sink.with_robots, 0u);
 }
 
-TEST(SandboxedStage, OneThatEndsIsTold) {
+TEST(SandboxedStage, AnExitIsReported) {
   Troubled troubled(Trouble::kExit);
   EXPECT_TRUE(becomes([&] {
     troubled.frame();
-    return troubled.note().text.find("ended with exit code 3 at ") != std::string::npos;
+    return troubled.note().text.find("its process exited with code 3 at ") != std::string::npos;
   })) << troubled.note().text;
 }
 
-TEST(SandboxedStage, OneThatHangsIsEndedAndStartedAgain) {
+TEST(SandboxedStage, AHangingProcessIsRestarted) {
   Troubled troubled(Trouble::kHang, with_deadlines(kSoon), 1);
   EXPECT_TRUE(becomes([&] {
     troubled.frame();
@@ -707,7 +707,7 @@ TEST(SandboxedStage, ALateAnswerIsNeverOfALaterFrame) {
   }));
 }
 
-TEST(SandboxedStage, WhatItSaysIsToldBesideWhatWentWrong) {
+TEST(SandboxedStage, ItsNotesAreShownBesideItsErrors) {
   const sandbox::StageProcess process("stage", "library", "camera", "");
   sandbox::SandboxReport report;
   StageNotes notes;
@@ -719,25 +719,24 @@ TEST(SandboxedStage, WhatItSaysIsToldBesideWhatWentWrong) {
   report.add(sandbox::SandboxReport::Outcome::kDone);
   EXPECT_EQ(told(), std::pair(StageNotes::Kind::kNote, std::string("2 balls removed")));
   report.add(sandbox::SandboxReport::Outcome::kLate);
-  EXPECT_EQ(told(),
-            std::pair(StageNotes::Kind::kWarning,
-                      std::string("took longer than 10 ms for 1 of the last 512 images, which went on "
-                                  "without; it says: 2 balls removed")));
+  EXPECT_EQ(told(), std::pair(StageNotes::Kind::kWarning,
+                              std::string("took longer than 10 ms for 1 of the last 512 images, which were "
+                                          "processed without its results; it says: 2 balls removed")));
   report.set_own_note(StageNotes::Kind::kWarning, std::string(StageNotes::kMaxText, 'x'));
   EXPECT_THAT(told().second, AllOf(testing::SizeIs(StageNotes::kMaxText), HasSubstr("it says: xxx")));
 }
 
-TEST(SandboxedStage, ResultsWithoutSenseAreLeftOut) {
+TEST(SandboxedStage, InvalidResultsAreDropped) {
   for (const Trouble trouble : {Trouble::kNan, Trouble::kOverlong, Trouble::kBadRegions}) {
     Troubled troubled(trouble);
     for (int i = 0; i < 10; ++i) troubled.frame();
     EXPECT_EQ(troubled.sink.with_robots, 0u) << static_cast<int>(trouble);
-    EXPECT_THAT(troubled.note().text, HasSubstr("gave results without sense for 10 of the last 512 images"));
+    EXPECT_THAT(troubled.note().text, HasSubstr("gave invalid results for 10 of the last 512 images"));
   }
 }
 
 /// The image's other results are used, as with a stage inside the service.
-TEST(SandboxedStage, ARobotWithoutSenseIsLeftOutAlone) {
+TEST(SandboxedStage, OnlyTheInvalidRobotIsDropped) {
   Troubled troubled(Trouble::kBadId);
   for (int i = 0; i < 10; ++i) troubled.frame();
   EXPECT_EQ(troubled.sink.with_robots, 0u);
@@ -745,7 +744,7 @@ TEST(SandboxedStage, ARobotWithoutSenseIsLeftOutAlone) {
   EXPECT_EQ(troubled.note().kind, StageNotes::Kind::kNone) << troubled.note().text;
 }
 
-TEST(SandboxedStage, ItsProcessIsNotEndedForWhatTheServiceHasNoRoomFor) {
+TEST(SandboxedStage, ItsProcessSurvivesTooLargeImages) {
   Supervisor::Options options = patient();
   options.most_failures_in_a_row = 3;
   const Apart apart(options);
@@ -760,13 +759,13 @@ TEST(SandboxedStage, ItsProcessIsNotEndedForWhatTheServiceHasNoRoomFor) {
   const Image large({pixels.data(), 16'384, 4100, 16'384, PixelFormat::kMono8, 0}, nullptr, nullptr, nullptr);
   for (int i = 0; i < 10; ++i) camera.process(Image(large.view(), nullptr, nullptr, nullptr), {});
   EXPECT_EQ(setup.pipeline->note(0).text,
-            "was not given 10 of the last 512 images: the service had no room for what it reads of them");
+            "was skipped for 10 of the last 512 images: no space for the parts that it reads");
   // The same process continues with images that fit.
   EXPECT_TRUE(becomes([&] { return camera.process(images.next(false), {}).labels.width > 0; }));
   EXPECT_EQ(stage_processes(), before);
 }
 
-TEST(SandboxedStage, ASupervisorThatIsHeldWhileItSpeaksDelaysNoImage) {
+TEST(SandboxedStage, APausedSupervisorDelaysNoImage) {
   sandbox::StageProcess process("stage", "library", "camera", "");
   sandbox::SandboxReport report;
   StageNotes notes;
@@ -795,7 +794,7 @@ TEST(SandboxedStage, GarbageInTheSharedMemoryHarmsNobody) {
   }
 }
 
-TEST(SandboxedStage, WhatItPrintsGoesToTheLog) {
+TEST(SandboxedStage, ItsOutputIsLogged) {
   log::set_level(log::Level::kInfo);
   Troubled troubled(Trouble::kPrints);
   troubled.frame();
@@ -919,7 +918,7 @@ TEST(SandboxedStage, ItsProcessHasNoMoreThanItNeeds) {
   ::close(secret);
 }
 
-TEST(SharedMemory, KnowsWhatLiesInIt) {
+TEST(SharedMemory, LocatesAddressesInIt) {
   const SharedMemory a(8192), b(4096);
   std::vector<std::uint8_t> other(100);
   const auto place = shared_place(a.data() + 100, 8092);
@@ -932,7 +931,7 @@ TEST(SharedMemory, KnowsWhatLiesInIt) {
   EXPECT_EQ(::mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, a.file(), 0), MAP_FAILED);
 }
 
-TEST(PartCodec, BytesThatAreNoPartAreRefused) {
+TEST(PartCodec, RefusesInvalidBytes) {
   Observations part;
   part.robots.resize(3);
   part.balls.resize(2);

@@ -84,7 +84,7 @@ TEST_F(Heard, ACameraOfAStrangerIsShownAndNotUsed) {
   EXPECT_EQ(shown.at(4).balls, 1U);
 }
 
-TEST_F(Heard, OurOwnCamerasAreNotThoseOfOthers) {
+TEST_F(Heard, CamerasWithOurIdsAreIgnored) {
   cameras_.set_own({4});
   for (const char* address : {"named", "stranger"}) {
     hear(geometry(4), address, 0);
@@ -113,7 +113,7 @@ TEST_F(Heard, ANamedComputerTakesACamerasIdFromAStranger) {
   EXPECT_EQ(cameras_.cameras(0.3).at(4).address, "named");
 }
 
-TEST_F(Heard, GeometryOfManyCamerasShutsNobodyOut) {
+TEST_F(Heard, AGeometryFloodDoesNotExcludeOthers) {
   for (const char* address : {"flood 1", "flood 2", "flood 3"}) hear(geometry(0, 64), address, 0);
   hear(geometry(4), "named", 0.1);
   EXPECT_TRUE(hear(detection(4), "named", 0.2));
@@ -133,7 +133,7 @@ TEST_F(Heard, ACameraWhoseGeometryComesOnceAMinuteStays) {
   }
 }
 
-TEST_F(Heard, ConflictsHaveAnEndAndAreForgotten) {
+TEST_F(Heard, ConflictsAreLimitedAndExpire) {
   hear(geometry(4), "named", 0);
   hear(detection(4), "named", 0);
   for (int i = 0; i < 200; ++i) {
@@ -164,7 +164,7 @@ TEST_F(Heard, StrangersHideNoConflictOfNamedComputers) {
   EXPECT_EQ(conflicts[0], (HeardCameras::Conflict{4, "named b", "named a"})) << "which the alert's title has";
 }
 
-TEST_F(Heard, TwoStrangersWithOneIdAreNobodysConcern) {
+TEST_F(Heard, StrangersWithTheSameIdAreNoConflict) {
   for (const char* address : {"stranger a", "stranger b"}) {
     hear(geometry(4), address, 0);
     hear(detection(4), address, 0);
@@ -172,7 +172,7 @@ TEST_F(Heard, TwoStrangersWithOneIdAreNobodysConcern) {
   EXPECT_THAT(cameras_.conflicts(0), IsEmpty());
 }
 
-TEST_F(Heard, NoRobotIsAsHighAsTheCameraThatSawIt) {
+TEST_F(Heard, DropsRobotsAsHighAsTheirCamera) {
   hear(geometry(4, 1, 500), "named", 0);
   EXPECT_TRUE(hear(detection(4, 300), "named", 0));
   EXPECT_EQ(out_.image.robots.size(), 1U);
@@ -181,7 +181,7 @@ TEST_F(Heard, NoRobotIsAsHighAsTheCameraThatSawIt) {
   EXPECT_EQ(out_.left_out, 1U);
 }
 
-TEST_F(Heard, NumbersOfCamerasHaveAnEnd) {
+TEST_F(Heard, TheNumberOfCamerasIsLimited) {
   for (std::uint32_t id = 0; id < 10'000; ++id) {
     hear(geometry(id), "stranger", 0);
     hear(detection(id), "stranger", 0);
@@ -189,14 +189,14 @@ TEST_F(Heard, NumbersOfCamerasHaveAnEnd) {
   EXPECT_LE(cameras_.cameras(0).size(), 64U);
 }
 
-TEST(OtherClock, OneThatIsRightIsLeftAlone) {
+TEST(OtherClock, ACorrectClockIsNotCorrected) {
   OtherClock clock;
   EXPECT_EQ(clock.correction_s(), 0);
   for (int i = 0; i < 2000; ++i) clock.heard(1000 + 0.01 * i, 1000 + 0.01 * i + 0.0003 + 0.01 * (i % 7));
   EXPECT_EQ(clock.correction_s(), 0) << "late packets say nothing of the clock";
 }
 
-TEST(OtherClock, OneThatIsSecondsOffIsSetRight) {
+TEST(OtherClock, AClockThatIsSecondsOffIsCorrected) {
   OtherClock clock;
   for (int i = 0; i < 2000; ++i) clock.heard(1000 + 0.01 * i, 1002.84 + 0.01 * i + 0.0003 + 0.001 * (i % 7));
   EXPECT_NEAR(clock.correction_s(), 2.84, 1e-3);

@@ -38,7 +38,7 @@ TEST(ListeningSockets, AreThoseThatGetTheGroupsPackets) {
   EXPECT_EQ(found[1].inode, 4712U);
 }
 
-TEST(ListeningSockets, OfIPv6MayGetThemToo) {
+TEST(ListeningSockets, IncludeIPv6SocketsThatReceiveIPv4) {
   const auto found = listening_sockets(
       "  sl  local_address                         remote_address                        st tx rx tr\n"
       "   1: 00000000000000000000000000000000:2716 00000000000000000000000000000000:0000 07 0:0 00:0 0 1000 "

@@ -109,7 +109,7 @@ TEST(MulticastReceiver, ListensElsewhereOrNowhereWhenTold) {
   EXPECT_EQ(heard.next(), "first");
 }
 
-TEST(MulticastReceiver, JoinsASilentGroupAnew) {
+TEST(MulticastReceiver, RejoinsASilentGroup) {
   GroupListener group;
   Heard heard;
   MulticastReceiver receiver("test", heard.handler(), std::chrono::milliseconds(20));
@@ -147,7 +147,7 @@ TEST(MulticastReceiver, HearsBroadcastsToThePort) {
   EXPECT_TRUE(receiver.arrivals(steady_s() + 10).empty());
 }
 
-TEST(MulticastReceiver, MayHearBroadcastsAlone) {
+TEST(MulticastReceiver, CanReceiveBroadcastsOnly) {
   GroupListener group;
   Heard heard;
   MulticastReceiver receiver("test", heard.handler());
@@ -159,7 +159,7 @@ TEST(MulticastReceiver, MayHearBroadcastsAlone) {
   EXPECT_EQ(heard.next(), "heard");
 }
 
-TEST(MulticastReceiver, HandsOnOnceWhatComesBothWays) {
+TEST(MulticastReceiver, DropsCopiesThatArriveBothWays) {
   for (const char* other_way : {GroupListener::kGroup, "255.255.255.255"}) {
     GroupListener group;
     Heard heard;
@@ -188,7 +188,7 @@ TEST(MulticastReceiver, HandsOnOnceWhatComesBothWays) {
   }
 }
 
-TEST(MulticastReceiver, LeavesOutBroadcastsThatComeByAnotherCardThanTheGroup) {
+TEST(MulticastReceiver, DropsBroadcastsFromOtherCardsThanTheGroups) {
   const int status = without_network([] {
     if (!bring_loopback_up()) return kNoNamespaces;
     MulticastSettings settings;
@@ -240,7 +240,7 @@ void send_from(const std::string& address, const GroupListener& to) {
   socket.send_to(boost::asio::buffer(address), {ip::make_address_v4(GroupListener::kGroup), to.port()});
 }
 
-TEST(MulticastReceiver, ManyStrangersKeepNeitherNamedComputersNorThisOneFromItsArrivals) {
+TEST(MulticastReceiver, ManyStrangersDoNotDisplaceKnownSenders) {
   GroupListener group;
   Heard heard;
   MulticastReceiver receiver("test", heard.handler());
@@ -260,7 +260,7 @@ TEST(MulticastReceiver, ManyStrangersKeepNeitherNamedComputersNorThisOneFromItsA
   EXPECT_THAT(listed, testing::UnorderedElementsAreArray(senders));
 }
 
-TEST(MulticastReceiver, LosesNoBroadcastWhileItJoinsTheGroupAnew) {
+TEST(MulticastReceiver, LosesNoBroadcastWhileRejoining) {
   GroupListener group;
   Heard heard;
   MulticastReceiver receiver("test", heard.handler(), std::chrono::milliseconds(1));

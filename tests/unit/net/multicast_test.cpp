@@ -72,7 +72,7 @@ TEST(Multicast, NewSettingsApplyToTheNextPacket) {
   EXPECT_THAT(after.receive(), Optional(std::string("2")));
 }
 
-TEST(Multicast, RefusesWhatIsNoGroupAndGoesOn) {
+TEST(Multicast, RefusesInvalidGroupsAndContinues) {
   GroupListener listener;
   MulticastSender sender(settings_for(listener));
   for (const char* group : {"192.168.1.20", "240.0.0.1", "field.local", "", "ff02::1", "224.5.23.2 "}) {
@@ -92,7 +92,7 @@ TEST(Multicast, RefusesWhatIsNoGroupAndGoesOn) {
   EXPECT_THAT(listener.receive(), Optional(std::string("still")));
 }
 
-TEST(Multicast, RefusesWhatIsNoBroadcastAddress) {
+TEST(Multicast, RefusesInvalidBroadcastAddresses) {
   GroupListener listener;
   MulticastSettings settings = settings_for(listener);
   for (const char* good : {"", "255.255.255.255", "127.255.255.255", "10.0.0.3"}) {
@@ -112,7 +112,7 @@ TEST(Multicast, RefusesWhatIsNoBroadcastAddress) {
   EXPECT_THROW(check_multicast(settings, ""), SettingsError) << "twice to the same";
 }
 
-TEST(Multicast, ABroadcastAddressOfNoSubnetIsSaidAndKeepsNoPacketFromTheGroup) {
+TEST(Multicast, AnInvalidBroadcastAddressIsReportedAndMulticastContinues) {
   GroupListener listener;
   MulticastSettings settings = settings_for(listener);
   settings.broadcast = "203.0.113.255";
@@ -136,7 +136,7 @@ TEST(Multicast, ABroadcastAddressOfNoSubnetIsSaidAndKeepsNoPacketFromTheGroup) {
   EXPECT_FALSE(sender.status().some_leave);
 }
 
-TEST(Multicast, AnAbsentInterfaceIsSaidAndCountedUntilItIsSetRight) {
+TEST(Multicast, AMissingInterfaceIsReportedUntilItIsCorrected) {
   GroupListener listener;
   for (const char* interface : {"nocard0", "203.0.113.7"}) {
     MulticastSettings settings = settings_for(listener);
@@ -168,7 +168,7 @@ TEST(Multicast, AFailedPacketIsCountedAndTheNextClearsTheError) {
   EXPECT_EQ(sender.status().error, "");
 }
 
-TEST(Multicast, ABroadcastAddressOfNoSubnetHidesNoFailureOfTheGroup) {
+TEST(Multicast, AnInvalidBroadcastAddressHidesNoMulticastError) {
   GroupListener listener;
   MulticastSettings settings = settings_for(listener);
   settings.broadcast = "203.0.113.255";
@@ -211,7 +211,7 @@ TEST(Multicast, ComesBackByItselfWhenTheInterfaceAppears) {
   EXPECT_EQ(status, kPassed);
 }
 
-TEST(Multicast, ABroadcastAddressThatComesAndGoesChangesNothingForTheGroup) {
+TEST(Multicast, AChangingBroadcastAddressDoesNotAffectMulticast) {
   const int status = without_network([] {
     if (!bring_loopback_up() || !set_loopback(SIOCSIFNETMASK, "255.255.255.0")) return kNoNamespaces;
     GroupListener listener;
@@ -270,14 +270,14 @@ bool goes(MulticastSender& sender, std::span<const std::byte> packet) {
   return sender.send(packet) || errno == EWOULDBLOCK;
 }
 
-TEST(Multicast, AThreadThatIsHeldWhileItAsksForTheStatusDelaysNoPacket) {
+TEST(Multicast, APausedStatusReaderDelaysNoPacket) {
   GroupListener listener;
   MulticastSender sender(settings_for(listener));
   const std::array<std::byte, 4> packet{};
   expect_never_waits([&] { (void)sender.status(); }, [&] { EXPECT_TRUE(goes(sender, packet)); });
 }
 
-TEST(Multicast, AThreadThatIsHeldWhileItChangesTheSettingsDelaysNoPacket) {
+TEST(Multicast, APausedSettingsChangeDelaysNoPacket) {
   GroupListener before, after;
   MulticastSender sender(settings_for(before));
   const std::array<std::byte, 4> packet{};
@@ -287,7 +287,7 @@ TEST(Multicast, AThreadThatIsHeldWhileItChangesTheSettingsDelaysNoPacket) {
                      [&] { EXPECT_TRUE(goes(sender, packet)); }, 300);
 }
 
-TEST(Multicast, APacketGoesByTheOldSettingsOrTheNewOnesAndIsNeverLostBetween) {
+TEST(Multicast, NoPacketIsLostWhileSettingsChange) {
   GroupListener listener;
   MulticastSender sender(settings_for(listener));
   std::atomic<bool> ending{false};

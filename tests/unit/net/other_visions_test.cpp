@@ -92,7 +92,7 @@ TEST(OtherVisions, NamesEverySizeThatDiffers) {
   EXPECT_EQ(conflicts, expected);
 }
 
-TEST(OtherVisions, WhatCannotBeReadOrMakesNoSenseIsOnlyCounted) {
+TEST(OtherVisions, InvalidPacketsAreOnlyCounted) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   Group group;
   const std::string good = detection(1).SerializeAsString();
@@ -137,7 +137,7 @@ TEST(OtherVisions, SaysWhichComputersTheSettingsName) {
   EXPECT_FALSE(group.others.seen(100).at(1).is_named);
 }
 
-TEST(OtherVisions, AComputerThatIsNamedFindsRoomAmongStrangers) {
+TEST(OtherVisions, StrangersDoNotDisplaceNamedComputers) {
   Group group;
   for (std::uint32_t i = 0; i < 300; ++i)
     group.receive(detection(1), {boost::asio::ip::address_v4(0x0A010000 + i), 1});
@@ -148,7 +148,7 @@ TEST(OtherVisions, AComputerThatIsNamedFindsRoomAmongStrangers) {
   EXPECT_LE(seen.size(), 17U);
 }
 
-TEST(OtherVisions, FieldsOfOtherProgramsArePassedOver) {
+TEST(OtherVisions, UnknownFieldsAreIgnored) {
   Group group;
   SSL_WrapperPacket packet = detection(3);
   // The league's programs have sent these since 2026: times in a detection (9), and a message of its own (4).

@@ -382,7 +382,7 @@ std::vector<float> confidences(const Messages& messages) {
   return out;
 }
 
-TEST(Packets, SortsByConfidenceAndHoldsItInRange) {
+TEST(Packets, SortsByConfidenceAndClampsIt) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   RobotList robots;

@@ -57,14 +57,14 @@ TEST(RefereeListener, HearsTheNamesOfTheTeams) {
   EXPECT_EQ(status.refused, 0U);
 }
 
-TEST(RefereeListener, NamesAreShownAsWhatTheyAre) {
+TEST(RefereeListener, RemovesControlCharactersFromNames) {
   Listener listener;
   listener.receive(message("MRL\u202e\x1b[2J", "KI\u0085KS\n", "\u2066field"));
   EXPECT_THAT(listener.referee.team_names(), ElementsAre("MRL[2J", "KIKS"));
   EXPECT_EQ(listener.referee.status(100).followed.source, "field");
 }
 
-TEST(RefereeListener, SaysWhenANameIsAnotherAndOnlyThen) {
+TEST(RefereeListener, NotifiesOnlyIfANameChanges) {
   Listener listener;
   for (int i = 0; i < 3; ++i) listener.receive(message("MRL", "KIKS"));
   EXPECT_EQ(listener.changes, 1);
@@ -129,7 +129,7 @@ TEST(RefereeListener, ReadsTheBytesOfTheWire) {
   EXPECT_EQ(listener.referee.status(100).followed.source, "gc");
 }
 
-TEST(RefereeListener, WhatIsNoRefereeChangesNothingAndIsCounted) {
+TEST(RefereeListener, InvalidMessagesAreOnlyCounted) {
   Listener listener;
   listener.receive(message("MRL", "KIKS"));
   SSL_WrapperPacket vision;
@@ -237,7 +237,7 @@ TEST(RefereeListener, HearsHowManyRobotsMayPlay) {
   EXPECT_THAT(listener.referee.status(100).robots_allowed, ElementsAre(Optional(0), std::nullopt));
 }
 
-TEST(RefereeListener, HearsWhichHalfIsWhose) {
+TEST(RefereeListener, HearsTheTeamsHalves) {
   Listener listener;
   EXPECT_EQ(listener.referee.status(100).blue_at_positive_x, std::nullopt);
   listener.receive(message("MRL", "KIKS"));
@@ -252,7 +252,7 @@ TEST(RefereeListener, HearsWhichHalfIsWhose) {
   EXPECT_EQ(listener.referee.status(100).blue_at_positive_x, std::nullopt);
 }
 
-TEST(RefereeListener, KnowsHowTheMatchStands) {
+TEST(RefereeListener, KnowsStageTimeAndScore) {
   Listener listener;
   EXPECT_FALSE(listener.referee.status(100).match);
   Referee referee;

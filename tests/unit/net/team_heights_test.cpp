@@ -44,14 +44,14 @@ INSTANTIATE_TEST_SUITE_P(OtherSpellings, TeamHeights,
                                          Known{"Robo\u0302CIn", 144}, Known{"ROBÔCIN", 144},
                                          Known{"RoboCIn B", 150}, Known{"\uFF2D\uFF32\uFF2C", 150}));
 
-TEST(TeamHeight, UnknownNamesHaveNone) {
+TEST(TeamHeight, IsUnknownForUnknownNames) {
   for (const char* name : {"", " ", "-", "TIGERs", "MRL 2", "\xFF\xFE", "MRL\xC3"}) {
     EXPECT_EQ(team_height_mm(name), std::nullopt) << name;
   }
   EXPECT_EQ(team_height_mm(std::string(60'000, 'M')), std::nullopt);
 }
 
-TEST(TeamHeight, NamesAreTheSameWhenSpellingIsAllThatDiffers) {
+TEST(TeamHeight, NamesMatchDespiteDifferentSpelling) {
   EXPECT_TRUE(is_same_team("Nobody Knows Us", "nobody-knows us"));
   EXPECT_TRUE(is_same_team("---", "---"));
   EXPECT_FALSE(is_same_team("---", "!!!"));

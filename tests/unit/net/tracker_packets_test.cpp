@@ -66,7 +66,7 @@ TEST(TrackerPackets, AreInMetersAndSayWhatTheSourceCanTell) {
                                             CAPABILITY_DETECT_KICKED_BALLS));
 }
 
-TEST(TrackerPackets, AKickIsToldWhileItsBallIsUnderWay) {
+TEST(TrackerPackets, AKickIsSentWhileItsBallMoves) {
   TrackedField tracked = field();
   TrackerWrapperPacket packet;
   write_tracked(tracked, {}, packet);
@@ -79,7 +79,7 @@ TEST(TrackerPackets, AKickIsToldWhileItsBallIsUnderWay) {
   EXPECT_EQ(packet.tracked_frame().capabilities_size(), 3);
 }
 
-TEST(TrackerPackets, LieOnTheWireAsTheLeagueHasThem) {
+TEST(TrackerPackets, HaveTheLeaguesEncoding) {
   TrackedField tracked;
   tracked.number = 1;
   tracked.t_s = 2;

@@ -126,7 +126,7 @@ TEST(VisionMessage, ATeamOfManyRobotsLeavesRoomForTheOther) {
   }
 }
 
-TEST(VisionMessage, KnowsNoCameraThatHangsNowhere) {
+TEST(VisionMessage, DropsCamerasAtInvalidPositions) {
   SSL_WrapperPacket packet;
   write_geometry({}, packet);
   const auto add = [&](float x_mm, float z_mm, std::uint32_t id = 1) {
@@ -158,7 +158,7 @@ TEST(VisionMessage, KnowsNoCameraThatHangsNowhere) {
 }
 
 /// docs/protocol.md lists the limits.
-TEST(VisionMessage, ItsLimitsStandInTheDocs) {
+TEST(VisionMessage, TheDocsListItsLimits) {
   std::ifstream in(source_path("/docs/protocol.md"));
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   const auto row = [&](const char* what, const auto& value) {

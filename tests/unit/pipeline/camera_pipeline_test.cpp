@@ -85,7 +85,7 @@ TEST(CameraPipeline, NumbersPublishesAndOffersEveryFrame) {
   EXPECT_EQ(camera.counters().frames, 5u);
 }
 
-TEST(CameraPipeline, ANewSetupTakesForceWithTheNextFrame) {
+TEST(CameraPipeline, ANewSetupTakesEffectWithTheNextFrame) {
   CountingSink sink;
   CameraPipeline camera(0, sink, setup_of({"mark", "publish"}));
   EXPECT_EQ(camera.process({}, {}).balls.balls.size(), 0u);
@@ -94,7 +94,7 @@ TEST(CameraPipeline, ANewSetupTakesForceWithTheNextFrame) {
   EXPECT_EQ(camera.counters().balls, 3u);
 }
 
-TEST(CameraPipeline, WhatTheStackMakesNoMoreIsNotLeftFromEarlierFrames) {
+TEST(CameraPipeline, PartsOfRemovedStagesAreCleared) {
   CountingSink sink;
   CameraPipeline camera(0, sink, setup_of({"segment", "mark"}, {{"mark", {{"balls", 3}}}}));
   std::vector<std::uint8_t> pixels(8 * 4 * 2);
@@ -111,7 +111,7 @@ TEST(CameraPipeline, WhatTheStackMakesNoMoreIsNotLeftFromEarlierFrames) {
   EXPECT_EQ(camera.counters().balls, 0u);
 }
 
-TEST(CameraPipeline, ViewersThatHoldEverythingCostNoDetection) {
+TEST(CameraPipeline, ViewersThatHoldAllFramesCostNoDetection) {
   CountingSink sink;
   CameraPipeline camera(0, sink, setup_of({"mark", "publish"}));
   std::vector<FrameRef> held;
@@ -127,7 +127,7 @@ TEST(CameraPipeline, ViewersThatHoldEverythingCostNoDetection) {
   EXPECT_EQ(camera.counters().unseen, unseen);
 }
 
-TEST(CameraPipeline, FramesInTheSpareGiveTheirBufferBackAtOnce) {
+TEST(CameraPipeline, FramesInTheSpareSlotReturnTheirBufferAtOnce) {
   CountingSink sink;
   CameraPipeline camera(0, sink, setup_of({"mark", "publish"}));
   int buffers_out = 0;
@@ -161,7 +161,7 @@ struct Driver {
   std::atomic<int> lent{0}, by_others{0};
 };
 
-TEST(CameraPipeline, WhatAViewerLetsGoOfGoesBackByTheCamerasThread) {
+TEST(CameraPipeline, FramesReleasedByViewersAreReturnedByTheCamerasThread) {
   CountingSink sink;
   Driver driver;
   CameraPipeline camera(0, sink, setup_of({"mark", "publish"}));
@@ -207,7 +207,7 @@ TEST(CameraPipeline, AReplacedSetupIsNotFreedByTheCamerasThread) {
   EXPECT_EQ(freed_by, std::this_thread::get_id());
 }
 
-TEST(CameraPipeline, AThreadThatIsHeldWhileItLooksDelaysNoFrame) {
+TEST(CameraPipeline, APausedReaderDelaysNoFrame) {
   CountingSink sink;
   const CameraSetup setup = setup_of({"mark", "publish"});
   CameraPipeline camera(0, sink, setup);

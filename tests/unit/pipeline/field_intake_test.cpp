@@ -49,7 +49,7 @@ class Intake : public testing::Test {
   BallList balls_;
 };
 
-TEST_F(Intake, BringsWhatACameraSawWithHowSureThatIs) {
+TEST_F(Intake, DeliversSightingsWithTheirCovariance) {
   const auto queue = intake_.add();
   balls_.balls.push_back({.x_mm = 1,
                           .y_mm = 2,
@@ -112,7 +112,7 @@ TEST_F(Intake, TakesNothingOfACameraWithoutACalibration) {
   EXPECT_EQ(queue->lost(), 0U);
 }
 
-TEST_F(Intake, CountsWhatAFieldThatIsTooSlowDoesNotTake) {
+TEST_F(Intake, CountsImagesLostToASlowField) {
   const auto queue = intake_.add();
   for (int i = 0; i < 100; ++i) queue->hand_over(info(i), scene_, robots_, balls_);
   EXPECT_GT(queue->lost(), 50U);
@@ -137,7 +137,7 @@ TEST_F(Intake, StrangersTakeNoPlaceFromOurCameras) {
   EXPECT_EQ(taken, 10);
 }
 
-TEST_F(Intake, ListsHaveAnEnd) {
+TEST_F(Intake, ListsAreLimited) {
   const auto queue = intake_.add();
   robots_.robots.resize(1000, robots_.robots[0]);
   balls_.balls.resize(1000);
@@ -170,7 +170,7 @@ TEST_F(Intake, LeavesOutWhatNoCameraCanSee) {
   EXPECT_TRUE(std::isinf(take().image.balls.at(0).height_sigma_mm));
 }
 
-TEST_F(Intake, CountsWhatACameraOfNoPossiblePlaceSaw) {
+TEST_F(Intake, CountsSightingsOfCamerasAtInvalidPositions) {
   const auto queue = intake_.add();
   CameraCalibration calibration = scene_.camera->calibration();
   calibration.tz = 200'000;
@@ -182,7 +182,7 @@ TEST_F(Intake, CountsWhatACameraOfNoPossiblePlaceSaw) {
   EXPECT_EQ(got.left_out, 3U);
 }
 
-TEST_F(Intake, ForgetsCamerasThatAreGoneButNotWhatTheyLost) {
+TEST_F(Intake, KeepsTheLossesOfRemovedCameras) {
   auto queue = intake_.add();
   for (int i = 0; i < 100; ++i) queue->hand_over(info(i), scene_, robots_, balls_);
   const std::uint64_t lost = queue->lost();

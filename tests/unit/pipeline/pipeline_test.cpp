@@ -146,7 +146,7 @@ TEST(PipelineCheck, NamesTheUnknownStageAndAllThereAre) {
             "find_regions, count, publish");
 }
 
-TEST(PipelineCheck, AStageMayStandThereOnce) {
+TEST(PipelineCheck, RefusesDuplicateStages) {
   EXPECT_EQ(stack_error({"make_labels", "double_labels", "double_labels"}),
             "/cameras/0/stack/1: stage 'double_labels' is in the stack twice");
 }

@@ -49,7 +49,7 @@ std::uint64_t dropped_with(const std::function<void(Robot&)>& spoil) {
   return dropped.robots;
 }
 
-TEST(InvalidCounts, IsARobotWithANumberThatIsNone) {
+TEST(InvalidCounts, CountRobotsWithInvalidNumbers) {
   EXPECT_EQ(dropped_with([](Robot&) {}), 0U);
   for (const auto number : {&Robot::x_mm, &Robot::y_mm, &Robot::orientation_rad, &Robot::height_mm,
                             &Robot::pixel_x, &Robot::pixel_y, &Robot::confidence}) {
@@ -58,28 +58,28 @@ TEST(InvalidCounts, IsARobotWithANumberThatIsNone) {
   }
 }
 
-TEST(InvalidCounts, IsARobotThatNoPatternHas) {
+TEST(InvalidCounts, CountRobotsWithUnknownIds) {
   for (const int id : {0, 255}) EXPECT_EQ(dropped_with([&](Robot& robot) { robot.id = id; }), 0U);
   for (const int id : {-1, 256, std::numeric_limits<int>::min(), std::numeric_limits<int>::max()})
     EXPECT_EQ(dropped_with([&](Robot& robot) { robot.id = id; }), 1U) << id;
   EXPECT_EQ(dropped_with([](Robot& robot) { robot.team = static_cast<Team>(2); }), 1U);
 }
 
-TEST(InvalidCounts, IsAConfidenceOutsideItsRange) {
+TEST(InvalidCounts, CountConfidencesOutOfRange) {
   for (const double good : {0.0, 1.0})
     EXPECT_EQ(dropped_with([&](Robot& robot) { robot.confidence = good; }), 0U);
   for (const double bad : {-0.01, 1.01})
     EXPECT_EQ(dropped_with([&](Robot& robot) { robot.confidence = bad; }), 1U);
 }
 
-TEST(InvalidCounts, IsNotAPlaceThatIsNotKnownToBeSure) {
+TEST(InvalidCounts, ExcludeUnknownCovariances) {
   for (const double unknown : {kNan, kInfinite}) {
     EXPECT_EQ(dropped_with([&](Robot& robot) { robot.place_cov.xx_mm2 = unknown; }), 0U);
     EXPECT_EQ(dropped_with([&](Robot& robot) { robot.orientation_sigma_rad = unknown; }), 0U);
   }
 }
 
-TEST(InvalidCounts, IsABallLikewise) {
+TEST(InvalidCounts, CountBallsWithInvalidNumbers) {
   for (const auto number : {&Ball::x_mm, &Ball::y_mm, &Ball::pixel_x, &Ball::pixel_y, &Ball::confidence}) {
     BallList list{{ball_at(1), ball_at(2), ball_at(3)}};
     list.balls[1].*number = kNan;
@@ -89,7 +89,7 @@ TEST(InvalidCounts, IsABallLikewise) {
   }
 }
 
-TEST(InvalidCounts, IsWhatIsBeyondTheEndOfAnyList) {
+TEST(InvalidCounts, CountEntriesBeyondTheLimits) {
   RobotList robots;
   robots.robots.assign(limits::kMaxRobots + 7, robot_of(3));
   robots.second_robots.assign(limits::kMaxRobots + 2, robot_of(4));
@@ -101,7 +101,7 @@ TEST(InvalidCounts, IsWhatIsBeyondTheEndOfAnyList) {
   EXPECT_EQ(drop_invalid(balls).balls, 5000 - limits::kMaxBalls);
 }
 
-TEST(InvalidCounts, IsATrackOrATimeThatIsNone) {
+TEST(InvalidCounts, CountInvalidTracksAndTimes) {
   TrackedField tracked{.number = 1,
                        .t_s = 100,
                        .robots = std::vector<TrackedRobot>(3),
@@ -139,7 +139,7 @@ CameraSightings image_of(std::size_t robots) {
   return image;
 }
 
-TEST(InvalidCounts, IsASightingWithANumberThatIsNone) {
+TEST(InvalidCounts, CountSightingsWithInvalidNumbers) {
   const auto dropped = [](const std::function<void(CameraSightings&)>& spoil) {
     CameraSightings image = image_of(3);
     spoil(image);
@@ -162,7 +162,7 @@ TEST(InvalidCounts, IsASightingWithANumberThatIsNone) {
       << "no camera sees the top of what is as high as itself";
 }
 
-TEST(InvalidCounts, IsAnImageOfNowhereOrOfNoTime) {
+TEST(InvalidCounts, CountImagesWithInvalidPositionsOrTimes) {
   for (const auto& spoil : std::vector<std::function<void(CameraSightings&)>>{
            [](auto& image) { image.t_capture_s = kNan; }, [](auto& image) { image.camera = -1; },
            [](auto& image) { image.camera = 256; }, [](auto& image) { image.camera_mm.z() = 0; },
@@ -178,7 +178,7 @@ TEST(InvalidCounts, IsAnImageOfNowhereOrOfNoTime) {
   }
 }
 
-TEST(InvalidCounts, IsMoreThanOneImageHasForTheField) {
+TEST(InvalidCounts, CountSightingsBeyondTheLimitsOfAnImage) {
   CameraSightings image = image_of(200);
   image.balls.resize(200, image.balls[0]);
   const InvalidCounts dropped = drop_invalid(image);
@@ -186,7 +186,7 @@ TEST(InvalidCounts, IsMoreThanOneImageHasForTheField) {
   EXPECT_EQ(dropped.balls, 200 - limits::kMaxFieldBalls);
 }
 
-TEST(InvalidCounts, IsNotABallWhoseHeightIsNotKnown) {
+TEST(InvalidCounts, ExcludeBallsOfUnknownHeight) {
   Observations seen;
   seen.balls.push_back({.t_s = 1,
                         .camera_mm = {0, 0, 4000},
@@ -280,7 +280,7 @@ class InvalidStack : public testing::Test {
   Sink sink_;
 };
 
-TEST_F(InvalidStack, GoesBeforeTheNextStageAndIsCountedForTheOneThatMadeIt) {
+TEST_F(InvalidStack, DropsInvalidOutputBeforeTheNextStage) {
   Pipeline pipeline(kTable, {"make_bad", "spoil_one", "publish"}, "");
   run(pipeline);
   EXPECT_EQ(SpoilOne::seen, 3U);
@@ -302,7 +302,7 @@ struct ChangeInfo {
   static inline std::function<void(FrameInfo&)> change;
 };
 
-TEST_F(InvalidStack, IsWhatSaysThatTheImageIsAnotherOne) {
+TEST_F(InvalidStack, RestoresChangedFrameInfo) {
   const std::array table{stage<ChangeInfo>("change_info", ""), stage<MakeBad>("make_bad", ""),
                          stage<Publish>("publish", "")};
   Pipeline pipeline(table, {"change_info", "make_bad", "publish"}, "");
@@ -334,7 +334,7 @@ TEST_F(InvalidStack, IsWhatSaysThatTheImageIsAnotherOne) {
   for (std::size_t i = 0; i < bad.size(); ++i) EXPECT_THAT(time_with(bad[i]), Pair(1000, 1U)) << i;
 }
 
-TEST_F(InvalidStack, DoesNotLeaveByAStagesOwnList) {
+TEST_F(InvalidStack, DropsInvalidOutputFromAStagesOwnList) {
   Pipeline pipeline(kTable, {"publish_own"}, "");
   run(pipeline);
   EXPECT_EQ(sink_.packets, 1U) << "none without a time";
@@ -345,7 +345,7 @@ TEST_F(InvalidStack, DoesNotLeaveByAStagesOwnList) {
   EXPECT_EQ(pipeline.left_out(0).others, 1U);
 }
 
-TEST_F(InvalidStack, AllocatesNothingForIt) {
+TEST_F(InvalidStack, AllocatesNothing) {
   if (!counts_allocations()) GTEST_SKIP() << "the sanitizer has its own allocator";
   Pipeline pipeline(kTable, {"make_bad", "publish_own", "publish"}, "");
   const auto parameters = pipeline.make_parameters(Json::object(), "");
@@ -381,7 +381,7 @@ struct NoClock : FieldClock {
   double now_s() const noexcept override { return 0; }
 };
 
-TEST(InvalidTracks, DoNotLeave) {
+TEST(InvalidTracks, AreNotPublished) {
   const std::array table{field_stage<MakeTracks>("make_tracks", ""),
                          field_stage<PublishField>("publish", "")};
   FieldPipeline pipeline(table, {"make_tracks", "publish"}, "");

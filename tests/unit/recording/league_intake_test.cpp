@@ -92,7 +92,7 @@ TEST(LeagueIntake, LeavesOutTheRest) {
 
 constexpr std::uint32_t kSender = 0x0a000001;
 
-TEST(LeagueShare, IsBoundedAndComesAgain) {
+TEST(LeagueShare, IsLimitedAndRefills) {
   LeagueShare share(2000);
   std::size_t taken = 0;
   while (share.take(kSender, 100 - kMessageHeaderBytes, 50)) taken += 100;

@@ -153,7 +153,7 @@ TEST_F(MatchLog, IsPlainGzipOfTheLeaguesFormat) {
   EXPECT_EQ(unpacked, expected);
 }
 
-TEST_F(MatchLog, TakesHardlyMoreRoomThanAllOfItPackedAtOnce) {
+TEST_F(MatchLog, CompressesNearlyAsWellAsASinglePass) {
   Match match;
   MatchLogWriter out(file());
   std::string plain;
@@ -184,7 +184,7 @@ TEST_F(MatchLog, HasAnIndexThatIsTheSameWhenItIsMadeAgain) {
   EXPECT_GE(written->points.size(), 4U);
 }
 
-TEST_F(MatchLog, IndexOfOtherBytesIsNotTaken) {
+TEST_F(MatchLog, AnotherFilesIndexIsIgnored) {
   write_match(file(), 100);
   const std::string index = contents(index_file_of(file()));
   fs::remove(file());
@@ -198,7 +198,7 @@ TEST_F(MatchLog, IndexOfOtherBytesIsNotTaken) {
   }
 }
 
-TEST_F(MatchLog, AnIndexThatLiesIsMadeAgain) {
+TEST_F(MatchLog, AWrongIndexIsRebuilt) {
   write_match(file(), 20'000);
   const MatchLogIndex right = *read_match_log_index(file());
   ASSERT_FALSE(right.points.empty());
@@ -220,7 +220,7 @@ TEST_F(MatchLog, AnIndexThatLiesIsMadeAgain) {
   tried("/events", Json{{{"time_ns", 1}, {"kind", "none"}, {"text", ""}}});
 }
 
-TEST_F(MatchLog, ThatIsRemovedWhileItIsWrittenSaysSo) {
+TEST_F(MatchLog, ReportsThatItWasRemovedWhileWriting) {
   MatchLogWriter out(file());
   Match match;
   add(out, match.next());
@@ -230,7 +230,7 @@ TEST_F(MatchLog, ThatIsRemovedWhileItIsWrittenSaysSo) {
   EXPECT_THROW(out.flush(), StorageError);
 }
 
-TEST_F(MatchLog, RepairingEndsWhenItIsTold) {
+TEST_F(MatchLog, RepairingStopsOnRequest) {
   std::stop_source stop;
   stop.request_stop();
   write_match(file(), 100);
@@ -294,7 +294,7 @@ TEST_F(MatchLog, GoesToTheFirstMessageOfATimeThatCameTwice) {
   EXPECT_EQ(std::string(reinterpret_cast<const char*>(message.bytes.data()), 11), "frame 20000");
 }
 
-TEST_F(MatchLog, WhatWasFlushedSurvivesAPowerCutAtAnyPlace) {
+TEST_F(MatchLog, FlushedMessagesSurviveAPowerCutAnywhere) {
   // The file on a disk that lost power: flushed data is complete; of the rest, some pages are written and
   // others zero.
   Match match;
@@ -378,11 +378,11 @@ TEST_F(MatchLog, SaysWhatIsWrongInOneLine) {
   const std::string time("\0\0\0\0\0\0\0\5", 8), type("\0\0\0\4", 4), size("\0\0\0\12", 4);
   EXPECT_EQ(error_of(head), "");
   EXPECT_EQ(error_of("RIFF....WAVE"),
-            "bad.log: is no log of the league: it does not begin with SSL_LOG_FILE");
-  EXPECT_EQ(error_of(""), "bad.log: is no log of the league: it does not begin with SSL_LOG_FILE");
-  EXPECT_EQ(error_of("SSL_LOG_FILE"), "bad.log: is no log of the league: it ends in its header");
+            "bad.log: is not a log of the league: it does not begin with SSL_LOG_FILE");
+  EXPECT_EQ(error_of(""), "bad.log: is not a log of the league: it does not begin with SSL_LOG_FILE");
+  EXPECT_EQ(error_of("SSL_LOG_FILE"), "bad.log: is not a log of the league: it ends in its header");
   EXPECT_EQ(error_of(std::string("SSL_LOG_FILE\0\0\0\2", 16)),
-            "bad.log: version 2 of logs is not known; expected 1");
+            "bad.log: log version 2 is unknown; expected 1");
   const std::string old =
       "bad.log: is a log of version 0, which old programs wrote with Qt; expected version 1";
   EXPECT_EQ(error_of(std::string("SSL_LOG_FILE\0\0\0\0", 16)), old);
@@ -394,7 +394,7 @@ TEST_F(MatchLog, SaysWhatIsWrongInOneLine) {
             "bad.log: message 1 is larger than any packet");
   EXPECT_EQ(error_of(head + time + type + std::string("\0\xff\0\1", 4)),
             "bad.log: message 1 is larger than any packet");
-  EXPECT_EQ(error_of("\x1f\x8b rest"), "bad.log: is damaged: its packed bytes make no sense");
+  EXPECT_EQ(error_of("\x1f\x8b rest"), "bad.log: is damaged: its compressed data is invalid");
   EXPECT_THROW(MatchLogReader{file("none.log")}, StorageError);
   EXPECT_THROW(MatchLogReader{folder_.path()}, StorageError);
 }
@@ -408,12 +408,12 @@ TEST_F(MatchLog, DamageIsNoticedAndWhatCameBeforeIsKept) {
   const WasRead was_read = read(file());
   EXPECT_THAT(was_read.problem,
               ::testing::AnyOf(HasSubstr("is damaged"), HasSubstr("is larger than any packet"),
-                               HasSubstr("has a time that cannot be")));
+                               HasSubstr("has an invalid time")));
   EXPECT_GT(was_read.messages.size(), written.size() / 2);
   EXPECT_NE(match_log_index(file()).problem, "");
 }
 
-TEST_F(MatchLog, NoBytesMakeItFail) {
+TEST_F(MatchLog, SurvivesArbitraryBytes) {
   write_match(file(), 2'000);
   const std::string whole = contents(file());
   std::mt19937 chance(3);
@@ -441,7 +441,7 @@ TEST_F(MatchLog, NoBytesMakeItFail) {
   }
 }
 
-TEST_F(MatchLog, WhatIsPackedTightlyTakesNoMemory) {
+TEST_F(MatchLog, HighlyCompressedLogsTakeLittleMemory) {
   // 64 MiB of empty messages, which compress to a small file.
   gzFile out = gzopen(file().c_str(), "wb9");
   gzwrite(out, "SSL_LOG_FILE\0\0\0\1", 16);
@@ -453,7 +453,7 @@ TEST_F(MatchLog, WhatIsPackedTightlyTakesNoMemory) {
   EXPECT_THAT(index.points, IsEmpty());
 }
 
-TEST_F(MatchLog, ThatIsCompleteNeedsNoIndex) {
+TEST_F(MatchLog, NeedsNoIndexWhenComplete) {
   fs::create_directories(index_file_of(file()) / "in the way");
   const std::vector<LoggedMessage> messages = write_match(file(), 100);
   const WasRead log = read(file());
@@ -461,7 +461,7 @@ TEST_F(MatchLog, ThatIsCompleteNeedsNoIndex) {
   EXPECT_THAT(log.messages, SizeIs(messages.size()));
 }
 
-TEST_F(MatchLog, TimesThatCannotBeAreNotRead) {
+TEST_F(MatchLog, MessagesWithImpossibleTimesAreSkipped) {
   for (const std::int64_t time_ns : {std::int64_t{-1}, std::numeric_limits<std::int64_t>::min(),
                                      std::numeric_limits<std::int64_t>::max(), std::int64_t{1} << 62}) {
     fs::remove(file());
@@ -473,7 +473,7 @@ TEST_F(MatchLog, TimesThatCannotBeAreNotRead) {
     }
     const WasRead log = read(file());
     EXPECT_THAT(log.messages, SizeIs(1));
-    EXPECT_THAT(log.problem, HasSubstr("message 2 has a time that cannot be"));
+    EXPECT_THAT(log.problem, HasSubstr("message 2 has an invalid time"));
     const MatchLogIndex index = match_log_index(file());
     EXPECT_EQ(index.last_ns, kBegin_ns);
   }
@@ -605,7 +605,7 @@ TEST(MatchEvents, TellCommandsStagesGoalsAndKicks) {
       << "when it was kicked, not when it was told";
 }
 
-TEST(MatchEvents, AKickWithoutATimeIsNone) {
+TEST(MatchEvents, IgnoreKicksWithoutATime) {
   PlayedMatch match;
   constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
   constexpr double kEndless = std::numeric_limits<double>::infinity();

@@ -89,7 +89,7 @@ class MatchMomentTest : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(MatchMomentTest, IsWhatWasKnownThen) {
+TEST_F(MatchMomentTest, HasTheStateAtThatTime) {
   MatchMoments moments(file(), std::make_shared<const MatchLogIndex>(match_log_index(file())));
   const Json five = moments.at(5.05).value();
   ASSERT_EQ(five["cameras"].size(), 2U);
@@ -132,7 +132,7 @@ void pack_at_once(const std::filesystem::path& from, const std::filesystem::path
 }
 
 /// Other recorders' logs can only be read from the beginning, which happens once, in the background.
-TEST_F(MatchMomentTest, OfALogInOnePieceIsFoundInLittleTime) {
+TEST_F(MatchMomentTest, IsFoundQuicklyInALogWithoutIndexPoints) {
   const auto whole = folder_.path() / "theirs.log.gz";
   pack_at_once(file(), whole);
   const auto index = std::make_shared<const MatchLogIndex>(make_match_log_index(whole));
@@ -147,7 +147,7 @@ TEST_F(MatchMomentTest, OfALogInOnePieceIsFoundInLittleTime) {
     EXPECT_EQ(theirs.at(at_s), ours.at(at_s)) << at_s;
 }
 
-TEST_F(MatchMomentTest, OfAVeryLongLogIsNotOutOfReach) {
+TEST_F(MatchMomentTest, IsFoundInAVeryLongLog) {
   const auto whole = folder_.path() / "theirs.log.gz";
   pack_at_once(file(), whole);
   MatchLogIndex index = make_match_log_index(whole);
@@ -157,7 +157,7 @@ TEST_F(MatchMomentTest, OfAVeryLongLogIsNotOutOfReach) {
   for (const double at_s : {3.3, 10.0, 19.95}) EXPECT_TRUE(moments.at(at_s)) << at_s;
 }
 
-TEST_F(MatchMomentTest, ThatIsTooFarFromAnyPlaceIsRefused) {
+TEST_F(MatchMomentTest, IsRefusedTooFarFromAnyIndexPoint) {
   const auto plain = folder_.path() / "plain.log.gz";
   // Stored, not compressed: one block, inside which reading cannot begin.
   {
@@ -174,7 +174,7 @@ TEST_F(MatchMomentTest, ThatIsTooFarFromAnyPlaceIsRefused) {
   EXPECT_TRUE(moments.at(0.1));
 }
 
-TEST_F(MatchMomentTest, HasNoMoreOfAForgedPacketThanAFieldHas) {
+TEST_F(MatchMomentTest, LimitsTheContentsOfForgedPackets) {
   const auto forged = folder_.path() / "forged.log.gz";
   {
     MatchLogWriter writer(forged);
@@ -206,7 +206,7 @@ TEST_F(MatchMomentTest, HasNoMoreOfAForgedPacketThanAFieldHas) {
   EXPECT_EQ(moment["cameras"][0]["balls"].size(), 256U);
 }
 
-TEST(DetectionsJson, OfWhatIsNoPacketIsNone) {
+TEST(DetectionsJson, IsEmptyForInvalidPackets) {
   EXPECT_FALSE(detections_json_of({}));
   const std::string text = "\x12\xff\xff";
   EXPECT_FALSE(detections_json_of(std::as_bytes(std::span(text))));

@@ -175,7 +175,7 @@ TEST(OtherSetups, KeepTheClipsTableWhereColoursAreTheSame) {
                setup_with(other, clip, nullptr, "clip").context.adapted_lut->yuv().labels);
 }
 
-TEST(OtherSetups, KeepTheHeightThatTheGameControllerTold) {
+TEST(OtherSetups, KeepTheHeightFromTheGameController) {
   const Config config = read_config(live_settings());
   CameraSetup live = setup_in(config, 0);
   Scene scene = *live.context.scene;

@@ -32,7 +32,7 @@ Json only_difference(const std::vector<std::byte>& before, const std::vector<std
   return json["differences"][0]["what"][0];
 }
 
-TEST(ClipComparisons, OfTheSameAreEmpty) {
+TEST(ClipComparisons, AreEmptyForEqualPackets) {
   const auto packet = packet_of({robot_at(Team::kBlue, 3, 10, 20)}, {ball_at(1, 2)});
   ClipComparison comparison;
   comparison.add(packet, packet);
@@ -80,7 +80,7 @@ TEST(ClipComparisons, TellAnotherId) {
             1);
 }
 
-TEST(ClipComparisons, PutTogetherByIdBeforeByPlace) {
+TEST(ClipComparisons, MatchByIdBeforePlace) {
   const auto before = packet_of({robot_at(Team::kBlue, 1, 0, 0), robot_at(Team::kBlue, 2, 95, 0)});
   const auto after = packet_of({robot_at(Team::kBlue, 1, 50, 0), robot_at(Team::kBlue, 2, 1, 0)});
   ClipComparison comparison;
@@ -89,7 +89,7 @@ TEST(ClipComparisons, PutTogetherByIdBeforeByPlace) {
   EXPECT_EQ(comparison.robots().id_changed, 0u);
 }
 
-TEST(ClipComparisons, TakeWhatIsNoPacketForAnEmptyOne) {
+TEST(ClipComparisons, TreatInvalidPacketsAsEmpty) {
   const std::vector<std::byte> damaged(30, std::byte{0xFF});
   EXPECT_EQ(only_difference(damaged, packet_of({robot_at(Team::kBlue, 3, 0, 0)}))["kind"], "found");
 }

@@ -122,8 +122,7 @@ TEST(Replay, SaysWhyItIsNotExact) {
     ASSERT_TRUE(replay.next(result));
     EXPECT_FALSE(result.is_exact);
     EXPECT_EQ(result.frame->info.number, 12u);
-    EXPECT_THAT(replay.doubts(),
-                ElementsAre("the clip does not have what stages remembered before frame 12"));
+    EXPECT_THAT(replay.doubts(), ElementsAre("the clip lacks the stages' state before frame 12"));
   }
   live.begin_clip(folder.file("gap"));
   live.run(0.1);
@@ -141,7 +140,7 @@ TEST(Replay, SaysWhyItIsNotExact) {
   EXPECT_THAT([&] { ClipReplay(clip, 9); }, ThrowsMessage<ClipError>(HasSubstr("no camera 9; it has 0, 1")));
 }
 
-TEST(Replay, OfASpanBeginsWhereTheStagesStood) {
+TEST(Replay, OfASpanRestoresTheStagesMemory) {
   const test::TemporaryFolder folder;
   LiveRun live(live_settings());
   live.run(0.5);
@@ -293,7 +292,7 @@ TEST_P(ReplayOnTarget, FindsTheSame) {
 INSTANTIATE_TEST_SUITE_P(Cpu, ReplayOnTarget, testing::Values("uyvy", "rgb24", "bayer_rg8"),
                          [](const auto& tested) { return std::string(tested.param); });
 
-TEST(PipelineMemory, OfAnyBytesIsTakenOrRefusedAndDoesNoHarm) {
+TEST(PipelineMemory, SurvivesArbitraryBytes) {
   constexpr int kLearn = 30, kVariants = 1500;
   const DrawnFrames drawn("uyvy", kLearn + 2);
   Json settings = live_settings();

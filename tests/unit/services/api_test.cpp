@@ -511,7 +511,7 @@ TEST_F(Api, ASupportBundleSaysWhatIsInIt) {
   EXPECT_THAT(files.front().second, HasSubstr("\nstatus.json: "));
 }
 
-TEST_F(Api, WhatAnOldCameraWasIsNotWhatANewOneIs) {
+TEST_F(Api, AReaddedCameraKeepsNothingOfTheOldOne) {
   wait_for_frame();
   // The camera is removed and added again: the daemon does not wait for the old one, and the new one
   // delivers.
@@ -525,7 +525,7 @@ TEST_F(Api, WhatAnOldCameraWasIsNotWhatANewOneIs) {
 }
 
 /// Listeners on the network must stop before the services that they notify.
-TEST(AStartThatFails, LeavesNobodyWhoTellsServicesThatAreGone) {
+TEST(AStartThatFails, StopsListenersBeforeTheServicesTheyNotify) {
   const GroupListener group;
   const test::TemporaryFolder folder;
   boost::asio::io_context io;

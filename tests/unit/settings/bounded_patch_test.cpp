@@ -76,33 +76,33 @@ TEST(BoundedPatch, ManyOperationsAreBounded) {
               HasSubstr("more operations than 20000"));
   // Each operation moves or compares all of a long list.
   EXPECT_THAT(refusal_of(settings, Json(std::vector<Json>(20'000, op("add", "/big/0", 1)))),
-              HasSubstr("more to do than"));
+              HasSubstr("more work than"));
   EXPECT_THAT(refusal_of(settings, Json(std::vector<Json>(
                                        20'000, {{"op", "move"}, {"from", "/big"}, {"path", "/big"}}))),
-              HasSubstr("more to do than"));
+              HasSubstr("more work than"));
 }
 
-TEST(BoundedPatch, WhatIsReplacedAgainAndAgainDoesNotGrow) {
+TEST(BoundedPatch, RepeatedReplacementsDoNotGrow) {
   const std::string text(1000, 't');
   const PatchLimits limits{.operations = 1000, .size = 5000, .work = 1'000'000, .depth = 8};
   const Json patch(std::vector<Json>(50, op("replace", "/a", text)));
   EXPECT_EQ(apply_patch({{"a", 1}}, patch, limits).at("a"), text);
 }
 
-TEST(BoundedPatch, ManyKeysAreLookedThroughOnlySoOften) {
+TEST(BoundedPatch, KeyLookupsAreBounded) {
   // Objects keep the order of their keys, so a lookup compares all earlier keys.
   Json wide = Json::object();
   for (int i = 0; i < 5000; ++i) wide.push_back({"key" + std::to_string(i), 0});
   const Json test = op("test", "/wide/key4999", 0);
   EXPECT_EQ(refusal_of({{"wide", wide}}, Json(std::vector<Json>(1000, test))), "not refused");
   EXPECT_THAT(refusal_of({{"wide", wide}}, Json(std::vector<Json>(20'000, test))),
-              HasSubstr("more to do than"));
+              HasSubstr("more work than"));
   Json growing = Json::array();
   for (int i = 0; i < 20'000; ++i) growing.push_back(op("add", "/x" + std::to_string(i), 0));
-  EXPECT_THAT(refusal_of(Json::object(), growing), HasSubstr("more to do than"));
+  EXPECT_THAT(refusal_of(Json::object(), growing), HasSubstr("more work than"));
 }
 
-TEST(BoundedPatch, LongPathsCostNoMoreThanTheyAreLong) {
+TEST(BoundedPatch, LongPathsAreRefusedCheaply) {
   std::string path;
   for (int i = 0; i < 300'000; ++i) path += "/a";
   EXPECT_THAT(refusal_of({{"a", 1}}, Json::array({op("add", path, 1)})), HasSubstr("nested deeper"));
@@ -120,7 +120,7 @@ TEST(BoundedPatch, NothingIsAddedToANumber) {
   }
 }
 
-TEST(BoundedPatch, WhatAnOperationDoesNotUseIsIgnored) {
+TEST(BoundedPatch, UnusedMembersOfAnOperationAreIgnored) {
   Json add = op("add", "/b", 1);
   add["from"] = "no pointer";
   add["comment"] = 5;
@@ -204,7 +204,7 @@ class Chance {
   std::mt19937 random_;
 };
 
-TEST(BoundedPatch, IsThatOfTheLibraryForWhateverFits) {
+TEST(BoundedPatch, EqualsTheLibrarysWithinTheLimits) {
   int applied = 0;
   for (unsigned seed = 0; seed < 20'000; ++seed) {
     Chance chance(seed);

@@ -74,7 +74,7 @@ TEST_F(CheckNamedFiles, RefusesAllOthers) {
   }
 }
 
-TEST_F(CheckNamedFiles, LeavesWhatIsThereAlready) {
+TEST_F(CheckNamedFiles, AllowsFilesThatAreAlreadyNamed) {
   EXPECT_EQ(refusal("/etc/patterns.json", {{{"patterns", "/etc/patterns.json"}}}), "");
   EXPECT_NE(refusal("/etc/passwd", {{{"patterns", "/etc/patterns.json"}, {"name", "/etc/passwd"}}}), "");
 }

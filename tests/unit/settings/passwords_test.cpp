@@ -72,7 +72,7 @@ TEST_F(PasswordsTest, AreHashedInAFileForTheServiceAlone) {
   EXPECT_NE(passwords.hash(Role::kAdmin), before) << "salted";
 }
 
-TEST_F(PasswordsTest, RefusesWhatIsNoPassword) {
+TEST_F(PasswordsTest, RefusesInvalidPasswords) {
   Passwords passwords(file_);
   EXPECT_EQ(what([&] { passwords.set(Role::kAdmin, "1234567"); }),
             "password: too short; expected 8 .. 200 characters");
@@ -105,7 +105,7 @@ TEST_F(PasswordsTest, SeesWhatAnotherProgramSets) {
   EXPECT_EQ(service.role_of("battery staple"), Role::kAdmin);
 }
 
-TEST_F(PasswordsTest, AFileThatGoesOrBreaksLetsNobodyIn) {
+TEST_F(PasswordsTest, AMissingOrDamagedFileLetsNobodyIn) {
   Passwords passwords(file_);
   passwords.set(Role::kAdmin, "correct horse");
   std::ofstream(file_) << "{";
@@ -129,13 +129,13 @@ TEST_F(PasswordsTest, AFileThatCannotBeUsedIsRefusedAtStart) {
   }
 }
 
-TEST_F(PasswordsTest, WhatCannotBeSavedIsNotInForce) {
+TEST_F(PasswordsTest, AnUnsavedPasswordIsNotUsed) {
   Passwords passwords("/proc/no/such/folder/passwords.json");
   EXPECT_THROW(passwords.set(Role::kAdmin, "correct horse"), StorageError);
   EXPECT_FALSE(passwords.has(Role::kAdmin));
 }
 
-TEST_F(PasswordsTest, OfABackupAreTakenOverOnlyWhereThereIsNone) {
+TEST_F(PasswordsTest, AreRestoredFromABackupOnlyIfNoneIsSet) {
   Passwords other(folder_.path() / "other.json");
   other.set(Role::kAdmin, "battery staple");
   const std::string text = other.to_text();

@@ -96,7 +96,7 @@ TEST_F(ProfilesTest, NamesAreShortPrintableText) {
   EXPECT_EQ(profiles.all().size(), 1u);
 }
 
-TEST_F(ProfilesTest, NoMoreThanSoMany) {
+TEST_F(ProfilesTest, TheirNumberIsLimited) {
   Profiles profiles(state_);
   for (std::size_t i = 0; i < Profiles::kMax; ++i)
     profiles.save({std::to_string(i), 1, "Mia", Json::object()});
@@ -105,7 +105,7 @@ TEST_F(ProfilesTest, NoMoreThanSoMany) {
   EXPECT_EQ(Profiles(state_).all().size(), Profiles::kMax);
 }
 
-TEST_F(ProfilesTest, WhatCannotBeSavedChangesNothing) {
+TEST_F(ProfilesTest, AFailedSaveChangesNothing) {
   Profiles profiles(state_);
   profiles.save({"night", 1, "Mia", Json::object()});
   std::filesystem::create_directories(file_.string() + ".new");  // blocks writing the new file

@@ -119,7 +119,7 @@ TEST_F(Store, AStaleEditIsRefused) {
   EXPECT_EQ(store.current().settings["a"], 5);
 }
 
-TEST_F(Store, ChangesComeIntoForceOnlyAfterTheyAreSaved) {
+TEST_F(Store, ChangesTakeEffectOnlyAfterTheyAreSaved) {
   auto store = open();
   std::vector<std::string> order;
   const Json patch = Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 3}}});
@@ -133,7 +133,7 @@ TEST_F(Store, ChangesComeIntoForceOnlyAfterTheyAreSaved) {
   EXPECT_EQ(order, (std::vector<std::string>{"ready for 3", "in force after saving"}));
 }
 
-TEST_F(Store, WhatCannotBePreparedOrSavedIsNotInForce) {
+TEST_F(Store, ChangesThatCannotBePreparedOrSavedTakeNoEffect) {
   auto store = open();
   const Json patch = Json::array({{{"op", "replace"}, {"path", "/a"}, {"value", 3}}});
   EXPECT_EQ(error_of<SettingsError>([&] {
@@ -213,7 +213,7 @@ TEST_F(Store, TheHistorySaysWhoChangedWhat) {
   EXPECT_EQ(history[1]["changes"][0]["after"], 5);
 }
 
-TEST_F(Store, AStepIsTakenBackAndLaterOnesStay) {
+TEST_F(Store, AStepIsUndoneAndLaterOnesStay) {
   auto store = open();
   set(store, "a", 5);
   set(store, "b", 7);
@@ -225,14 +225,14 @@ TEST_F(Store, AStepIsTakenBackAndLaterOnesStay) {
   EXPECT_EQ(undo(store, 4).settings, (Json{{"a", 5}, {"b", 7}}));
 }
 
-TEST_F(Store, AnOptionalKeyIsTakenBack) {
+TEST_F(Store, AnOptionalKeyIsUndone) {
   auto store = open();
   const Json patch = Json::array({{{"op", "add"}, {"path", "/b"}, {"value", 4}}});
   store.patch(patch, {}, kNothingToDo);
   EXPECT_EQ(undo(store, 2).settings, (Json{{"a", 1}, {"b", 2}}));
 }
 
-TEST_F(Store, WhatWasChangedAgainIsNotTakenBack) {
+TEST_F(Store, ValuesChangedAgainAreNotUndone) {
   auto store = open();
   set(store, "a", 5);
   set(store, "a", 6);
@@ -315,7 +315,7 @@ TEST_F(Store, ManySmallChangesMayBeOneStep) {
   set(store, "b", 9);
   EXPECT_EQ(store.history().size(), 4u) << "another client's, another purpose, another value";
   const auto revision = open().history()[3]["revision"].get<std::uint64_t>();
-  EXPECT_THAT(error_of<StaleRevision>([&] { undo(store, revision); }), HasSubstr("changed again"));
+  EXPECT_THAT(error_of<StaleRevision>([&] { undo(store, revision); }), HasSubstr("have changed since"));
 }
 
 TEST_F(Store, ReadsDoNotWaitForAnEdit) {
@@ -360,7 +360,7 @@ TEST_F(Store, AChangeMayBeCheckedWithoutMakingIt) {
   EXPECT_FALSE(std::filesystem::exists(saved_));
 }
 
-TEST_F(Store, TheFileBeforeIsKeptWholeWithoutARoomOfItsOwn) {
+TEST_F(Store, ThePreviousFileIsKept) {
   auto store = open();
   set(store, "a", 5);
   set(store, "a", 6);
@@ -370,7 +370,7 @@ TEST_F(Store, TheFileBeforeIsKeptWholeWithoutARoomOfItsOwn) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(state_), {}), 2) << "and nothing else is left";
 }
 
-TEST_F(Store, WhatAKillLeftIsCleanedUp) {
+TEST_F(Store, FilesLeftByAKillAreRemoved) {
   write(state_ / "settings.json.new", "{\"revi");
   write(state_ / "settings.json.old", "{}");
   write(state_ / "settings.previous.json.new", "{}");
@@ -379,7 +379,7 @@ TEST_F(Store, WhatAKillLeftIsCleanedUp) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(state_), {}), 1);
 }
 
-TEST_F(Store, NothingThatWasSetAsideIsOverwritten) {
+TEST_F(Store, RejectedFilesAreNotOverwritten) {
   for (const char* text : {"one", "two", "three"}) {
     write(saved_, text);
     open();
@@ -401,7 +401,7 @@ TEST_F(Store, WritesAgainOnceItCan) {
   EXPECT_THAT(folder_of_state_.write_problem(), IsEmpty());
 }
 
-TEST_F(Store, WhatTheDiskMayNotKeepIsTakenBackThere) {
+TEST_F(Store, AFailedSyncIsUndoneOnTheDisk) {
   auto store = open();
   {
     const test::FailingDisk disk;
@@ -429,7 +429,7 @@ TEST(WriteFileDurably, TakesANameWithoutAFolder) {
   EXPECT_EQ(read_json_file(folder.path() / "here.json"), Json::object());
 }
 
-TEST_F(Store, AStateFolderThatCannotBeIsNamedAndMadeOnceItCan) {
+TEST_F(Store, AnUnusableStateFolderIsNamedAndCreatedLater) {
   std::filesystem::remove(state_);
   write(state_, "a file where the folder should be");
   EXPECT_THAT(folder_of_state_.find_problem(), HasSubstr(state_.string()));
@@ -458,7 +458,7 @@ TEST_F(Store, ReloadsTheAdminsFileBelowThePanelsChanges) {
   EXPECT_EQ(open().current().settings, (Json{{"a", 5}, {"b", 2}}));
 }
 
-TEST_F(Store, AReloadOfWhatIsInForceIsNoStep) {
+TEST_F(Store, AReloadWithoutChangesIsNoStep) {
   auto store = open();
   const auto must_not = [](const CheckedSettings&) -> Apply { throw SettingsError("got ready"); };
   EXPECT_EQ(store.reload(must_not).revision, 1u);
@@ -471,7 +471,7 @@ TEST_F(Store, AReloadOfWhatIsInForceIsNoStep) {
   EXPECT_EQ(store.reload(kNothingToDo).settings["a"], 6) << "it is the panel's change no more";
 }
 
-TEST_F(Store, ARefusedReloadChangesNothingAndIsToldUntilAGoodOne) {
+TEST_F(Store, ARefusedReloadChangesNothingAndIsReportedUntilOneSucceeds) {
   auto store = open();
   set(store, "b", 7);
   const auto reload = [&] { return error_of<SettingsError>([&] { store.reload(kNothingToDo); }); };
@@ -505,13 +505,13 @@ TEST_F(Store, ChangesOfACameraAreNotPutOntoAnother) {
     set(store, "cameras/1/x", 5);
     write(admin_file_, R"({"cameras": [{"id": 1, "x": 1}, {"id": 0, "x": 1}]})");
     EXPECT_THAT(error_of<SettingsError>([&] { store.reload(kNothingToDo); }),
-                AllOf(HasSubstr("/cameras/1/x"), HasSubstr("/cameras/1/id was 1, which is now 0")));
+                AllOf(HasSubstr("/cameras/1/x"), HasSubstr("/cameras/1/id was 1, but it is now 0")));
     write(admin_file_, R"({"cameras": [{"id": 0, "x": 1}]})");
     EXPECT_THAT(error_of<SettingsError>([&] { store.reload(kNothingToDo); }),
-                HasSubstr("together with what was changed in the panel"));
+                HasSubstr("together with the panel's changes"));
   }
   write(admin_file_, R"({"cameras": [{"id": 1, "x": 1}, {"id": 0, "x": 1}]})");
-  EXPECT_THAT(with_cameras().problem(), HasSubstr("which is now 0"));
+  EXPECT_THAT(with_cameras().problem(), HasSubstr("but it is now 0"));
   write(admin_file_, R"({"cameras": [{"id": 0, "x": 2}, {"id": 1, "x": 1}, {"id": 2, "x": 1}]})");
   std::filesystem::rename(saved_.string() + ".rejected", saved_);
   EXPECT_EQ(with_cameras().current().settings["cameras"],
@@ -570,7 +570,7 @@ TEST_F(Store, OlderSavedChangesAreBroughtUpToDate) {
     EXPECT_EQ(store.current().revision, 3u);
   }
   auto store = open(kTwoMigrations);
-  EXPECT_THAT(error_of<StaleRevision>([&] { undo(store, 2); }), HasSubstr("changed again"))
+  EXPECT_THAT(error_of<StaleRevision>([&] { undo(store, 2); }), HasSubstr("have changed since"))
       << "a step of a key that is no more";
   set(store, "a", 9);
   EXPECT_EQ(read_json_file(saved_)["version"], 3);
@@ -670,7 +670,7 @@ TEST_F(Store, AnEditMadeMeanwhileIsNotLost) {
   EXPECT_EQ(store.current().revision, 3U);
 }
 
-TEST_F(Store, OtherSettingsComeWithTheirHistoryAndCanBeTakenBack) {
+TEST_F(Store, OtherSettingsComeWithTheirHistoryAndCanBeUndone) {
   SettingsStore first = open();
   set(first, "a", 3);
   set(first, "a", 4);

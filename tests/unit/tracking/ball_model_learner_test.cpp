@@ -107,7 +107,7 @@ TEST(BallModelLearner, IsNotMisledByABallThatMetSomething) {
   EXPECT_NEAR(learner.learnt().slides_mm_s2.value, 4300, 0.03 * 4300);
 }
 
-TEST(BallModelLearner, SaysNothingOfWhatItHasNotSeen) {
+TEST(BallModelLearner, ReportsNoUnobservedParameters) {
   BallModelLearner learner;
   for (int i = 0; i < 5; ++i) {  // no longer seen, long before it rolls
     learner.learn(
@@ -118,7 +118,7 @@ TEST(BallModelLearner, SaysNothingOfWhatItHasNotSeen) {
   EXPECT_EQ(learner.learnt().kicks, 0);
 }
 
-TEST(KickWatch, HandsOverWhatBecameOfAKickOfAWorld) {
+TEST(KickWatch, DeliversTheObservedKicks) {
   worlds::WorldOptions options;
   options.seed = 31;
   options.duration_s = 20;

@@ -94,7 +94,7 @@ TEST_F(KickFit, FindsAShotAlongTheFloor) {
   EXPECT_GT(fit_chip(as_chip, points, model_, {}, 8).chi2, flat.chi2 + 20);
 }
 
-TEST_F(KickFit, FindsABallInTheAirOfWhichNothingIsKnown) {
+TEST_F(KickFit, FindsAFlyingBallWithoutPriorState) {
   // The ball has bounced off a wall and is falling.
   const BallShot shot{100, {500, -300}, {-1500, 900, 500}, 400};
   const auto points = seen(shot, 16);

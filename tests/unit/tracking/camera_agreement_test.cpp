@@ -49,14 +49,14 @@ class TwoCameras : public testing::Test {
   double t_s_ = 100;
 };
 
-TEST_F(TwoCameras, AreBroughtTogether) {
+TEST_F(TwoCameras, AreAligned) {
   const Vector2d off(2, -1);
   play(25, off);
   EXPECT_LT(apart_mm({0, 0}, off), 0.3);
   EXPECT_LT(apart_mm({200, 1000}, off), 0.3);
 }
 
-TEST_F(TwoCameras, ClocksAreToldFromPlaces) {
+TEST_F(TwoCameras, ClockOffsetsAreSeparatedFromPositions) {
   play(60, {0, 0}, 0.6e-3);
   EXPECT_NEAR(agreement_.time_offset_s(1) - agreement_.time_offset_s(0), 0.6e-3, 0.15e-3);
   EXPECT_LT(apart_mm({0, 0}, {0, 0}), 0.3);
@@ -127,7 +127,7 @@ TEST_F(TwoCameras, ARobotThatWasMisreadChangesNothing) {
   EXPECT_NEAR(apart_mm({0, 0}, {0, 0}), before, 0.2);
 }
 
-TEST_F(TwoCameras, NumbersOfRobotsHaveAnEnd) {
+TEST_F(TwoCameras, TheNumberOfRobotsIsLimited) {
   for (int round = 0; round < 3; ++round) {
     for (int id = 0; id < 256; ++id, t_s_ += 0.01) agreement_.see(0, {{Team::kBlue, id}, {0, 0}, 140, t_s_});
   }
@@ -157,7 +157,7 @@ TEST_F(TwoCameras, ARobotAsHighAsAnotherCameraHarmsNothing) {
   EXPECT_EQ(agreement_.repaired(), 0U);
 }
 
-TEST_F(TwoCameras, WhatIsNoNumberIsNotLearnt) {
+TEST_F(TwoCameras, NonFinitePositionsAreNotLearnt) {
   play(25, {2, -1});
   const double nan = std::nan("");
   for (int i = 0; i < 4; ++i, t_s_ += 0.01) {
@@ -169,7 +169,7 @@ TEST_F(TwoCameras, WhatIsNoNumberIsNotLearnt) {
   EXPECT_EQ(agreement_.repaired(), 0U);
 }
 
-TEST_F(TwoCameras, AFilterThatIsNoNumberBeginsAgain) {
+TEST_F(TwoCameras, ANonFiniteFilterIsReset) {
   play(25, {2, -1});
   agreement_.set_camera(1, {std::nan(""), 0, 4000});
   play(0.1, {2, -1});
@@ -270,7 +270,7 @@ TEST_F(ManyCameras, TwoOfOursAreNotMovedByOtherComputers) {
   expect_as_alone({{21, true, {40, -20}, 3e-3, 60}, {22, true, {-70, 30}, -3e-3, 40}});
 }
 
-TEST_F(ManyCameras, AnHonestComputerIsBroughtTogetherWithOurs) {
+TEST_F(ManyCameras, AnHonestComputerIsAlignedWithOurs) {
   const std::vector<Vector2d> offs{{1.5, -1}, {-0.5, 2}, {-2, 0.5}, {1, -2}};
   std::vector<Camera> cameras;
   for (int id = 0; id < 4; ++id) cameras.push_back({id, id >= 2, offs[static_cast<std::size_t>(id)]});

@@ -47,7 +47,7 @@ class Gathered : public testing::Test {
   LeftOut left_out_;
 };
 
-TEST_F(Gathered, TakesWhatMakesSenseAsItIs) {
+TEST_F(Gathered, KeepsValidSightings) {
   gather();
   EXPECT_TRUE(out_.is_taken);
   EXPECT_EQ(out_.camera, 2);
@@ -69,7 +69,7 @@ TEST_F(Gathered, SaysHowSureOtherComputersAreAsTheSettingsDo) {
   EXPECT_GT(out_.balls.at(0).place_cov_mm2(1, 1), 0);
 }
 
-TEST_F(Gathered, LeavesOutSightingsWithoutSense) {
+TEST_F(Gathered, DropsInvalidSightings) {
   add_robot(8, {kNan, 0});
   add_robot(9, {50'000, 0});
   add_robot(-1, {0, 0});
@@ -87,14 +87,14 @@ TEST_F(Gathered, LeavesOutSightingsWithoutSense) {
   EXPECT_EQ(left_out_.sightings, 8U);
 }
 
-TEST_F(Gathered, TakesNoThousandRobots) {
+TEST_F(Gathered, LimitsTheNumberOfRobots) {
   arrived_.image.robots.clear();
   for (int i = 0; i < 1000; ++i) add_robot(i % 256, {0, 0});
   gather();
   EXPECT_EQ(out_.robots.size(), limits::kMaxRobots);
 }
 
-TEST_F(Gathered, LeavesOutImagesOfAnotherTime) {
+TEST_F(Gathered, DropsImagesOfAnotherTime) {
   for (const double t_s : {900.0, 1100.0, kNan, 0.0, 1e300}) {
     arrived_.image.t_capture_s = t_s;
     gather();
@@ -109,7 +109,7 @@ TEST_F(Gathered, LeavesOutImagesOfAnotherTime) {
   EXPECT_TRUE(out_.is_taken) << "once its clock is right again";
 }
 
-TEST_F(Gathered, LeavesOutMoreCamerasThanAnyFieldHas) {
+TEST_F(Gathered, LimitsTheNumberOfCameras) {
   arrived_.image.is_of_other_computer = true;
   for (int camera = 0; camera < 100; ++camera) {
     arrived_.image.camera = camera;
@@ -145,7 +145,7 @@ TEST_F(Gathered, SaysHowCertainASightingIsWhereItsCameraDoesNot) {
   }
 }
 
-TEST_F(Gathered, LeavesOutACameraThatHangsNowhere) {
+TEST_F(Gathered, DropsCamerasAtInvalidPositions) {
   for (const double z_mm : {0.0, -4000.0, kNan, 1e9}) {
     arrived_.image.camera_mm.z() = z_mm;
     left_out_ = {};

@@ -34,7 +34,7 @@ class OneOfEach : public testing::Test {
   double t_s_ = 1e9;
 };
 
-TEST(Smoother, KnowsLaterWhatNoFilterKnowsAtOnce) {
+TEST(Smoother, IsMoreAccurateThanTheFilter) {
   worlds::WorldOptions options;
   options.seed = 41;
   options.duration_s = 12;
@@ -47,7 +47,7 @@ TEST(Smoother, KnowsLaterWhatNoFilterKnowsAtOnce) {
   EXPECT_GE(later.errors.at("robot place").count(), at_once.errors.at("robot place").count() * 9 / 10);
 }
 
-TEST(Smoother, TellsEveryKickHoweverSoonTheNextOneFollows) {
+TEST(Smoother, ReportsEveryKickHoweverSoonTheNextFollows) {
   worlds::WorldOptions options;
   options.seed = 46;  // with three kicks less than two seconds after the previous one
   options.duration_s = 20;
@@ -70,7 +70,7 @@ TEST(Smoother, TellsEveryKickHoweverSoonTheNextOneFollows) {
   for (const int number : at_once) EXPECT_TRUE(told.count(number)) << number;
 }
 
-TEST_F(OneOfEach, IsToldFromTheFirstSightingOn) {
+TEST_F(OneOfEach, IsShownFromTheFirstMeasurement) {
   const double began_s = t_s_;
   double first_s = 0;
   for (int i = 0; i < 60 && first_s == 0; ++i) {
@@ -81,7 +81,7 @@ TEST_F(OneOfEach, IsToldFromTheFirstSightingOn) {
   EXPECT_NEAR(field_.robots.at(0).velocity_mm_s.x(), 20 / kPeriod_s, 5) << "what came later tells it";
 }
 
-TEST_F(OneOfEach, WentFromWhereItWasLastSeenToWhereItWasSeenAgain) {
+TEST_F(OneOfEach, IsInterpolatedWhileUnseen) {
   int i = 0;
   for (; i < 80; ++i) see(10.0 * i);
   for (; i < 92; ++i) see(10.0 * i, false);
@@ -112,7 +112,7 @@ TEST_F(OneOfEach, ARobotThatWasCarriedAwayWasWhereItWasUntilThen) {
   ASSERT_EQ(field_.robots.size(), 1U);
 }
 
-TEST_F(OneOfEach, IsNotShownBeforeItWasThereBecauseItsIdWasMisread) {
+TEST_F(OneOfEach, IsNotShownEarlierAfterAMisreadId) {
   int i = 0;
   see(0, false);
   for (++i; i < 60; ++i) see(0, true, false);

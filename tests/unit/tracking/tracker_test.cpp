@@ -190,7 +190,7 @@ TEST_F(OneRobot, GoesOnWithoutBeingSeenAndIsGoneAfterHalfASecond) {
   EXPECT_FALSE(tracker_.robot({Team::kYellow, 3}, t_s_));
 }
 
-TEST_F(OneRobot, StaysOneAlthoughThreeCamerasSeeAnotherWithItsId) {
+TEST_F(OneRobot, IsNotDuplicatedWhenThreeCamerasSeeItsIdElsewhere) {
   for (int i = 0; i < 80; ++i) see(1000);
   for (int i = 0; i < 100; ++i) {
     see(1000);
@@ -238,7 +238,7 @@ TEST_F(RobotOfTwoComputers, StaysWhereASlowCameraOfThisOneSeesIt) {
   }
 }
 
-TEST_F(RobotOfTwoComputers, DrivesOnFromWhereTheOtherOneSaysThatItStands) {
+TEST_F(RobotOfTwoComputers, IgnoresTheOtherComputersWrongPlace) {
   for (int i = 0; i < 40; ++i) see(750 + 12.5 * i);
   for (int image = 0; image < 45; ++image) {
     const double true_mm = 1250 + 6 * 12.5 * image;
@@ -308,7 +308,7 @@ TEST_F(RobotOfTwoComputers, IsLeftToTheOtherOneWhenThisOnesCamerasAreGone) {
   }
 }
 
-TEST_F(RobotOfTwoComputers, IsTakenBackWhenThisOnesCamerasWereHeldUpForLong) {
+TEST_F(RobotOfTwoComputers, ReturnsToThisComputersPlaceAfterALongCameraStall) {
   for (const double interval_s : {0.0125, 0.2}) {
     tracker_ = {};
     for (int i = 0; i < 40; ++i) see(1000);
@@ -373,7 +373,7 @@ TEST_F(RobotOfTwoComputers, IsNotKeptWherePatternsAreMisreadNowAndThen) {
   }
 }
 
-TEST_F(OneRobot, MayBePutDownAtTheFieldsCentreAsAnywhere) {
+TEST_F(OneRobot, CanBePlacedAtTheFieldsCentre) {
   for (int i = 0; i < 80; ++i) see(3000);
   int missing = 0;
   for (int i = 0; i < 20; ++i) {
@@ -405,7 +405,7 @@ TEST_F(OneRobot, DoesNotFlyOffWhereTwoCamerasDoNotAgree) {
   }
 }
 
-TEST_F(OneRobot, OfASlowCameraIsShown) {
+TEST_F(OneRobot, IsShownWithASlowCamera) {
   for (int i = 0; i < 10; ++i) {
     see(0);
     t_s_ += 0.11;  // eight images a second
@@ -457,7 +457,7 @@ TEST(Track, GoesOnWhenTheClockIsSetBack) {
 }
 
 /// A filter whose state is not finite never recovers: it is removed.
-TEST_F(OneRobot, IsSeenAgainAfterWhatNoFilterStands) {
+TEST_F(OneRobot, RecoversFromNonFiniteMeasurements) {
   const double nan = std::nan(""), huge = 1e308;
   const std::vector<std::function<void(RobotObservation&)>> spoils{
       [&](RobotObservation& one) { one.place_mm.x() = nan; },
@@ -488,7 +488,7 @@ TEST_F(OneRobot, IsSeenAgainAfterWhatNoFilterStands) {
   }
 }
 
-TEST(Tracker, ABallIsSeenAgainAfterWhatNoFilterStands) {
+TEST(Tracker, ABallRecoversFromNonFiniteMeasurements) {
   const double nan = std::nan("");
   for (const bool is_infinite : {false, true}) {
     Tracker tracker;
@@ -523,7 +523,7 @@ TEST_F(OneRobot, IsNotDraggedAwayByOneWrongSighting) {
   EXPECT_NEAR(now()->velocity_mm_s.x(), 0, 1);
 }
 
-TEST_F(OneRobot, IsTakenToItsNewPlaceOnceItStaysThere) {
+TEST_F(OneRobot, MovesToItsNewPlaceOnceItStaysThere) {
   for (int i = 0; i < 80; ++i) see(1000);
   for (int i = 0; i < 60; ++i) see(3000);
   ASSERT_TRUE(now());

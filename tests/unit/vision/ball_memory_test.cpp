@@ -21,7 +21,7 @@ void let_balls_move(BallMemory& memory, int picture) {
   memory.see(-3000 + 400 * picture, -1000, -1000, kOrange, true);
 }
 
-TEST(BallMemory, WhatStandsOffTheFieldIsFurniture) {
+TEST(BallMemory, AStandingThingOffTheFieldIsFurniture) {
   BallMemory memory;
   int reported = 0;
   for (int i = 0; i < 20; ++i) {
@@ -36,7 +36,7 @@ TEST(BallMemory, WhatStandsOffTheFieldIsFurniture) {
   EXPECT_FALSE(see(memory, 3001, 200, 150).as_furniture) << "long ago";
 }
 
-TEST(BallMemory, TellsWhatRestsFromWhatMoves) {
+TEST(BallMemory, DistinguishesRestFromMotion) {
   BallMemory memory;
   for (int i = 0; i < 10; ++i) {
     memory.begin(10 + i * kFrameS);
@@ -49,7 +49,7 @@ TEST(BallMemory, TellsWhatRestsFromWhatMoves) {
   EXPECT_FALSE(see(memory, 2001, 0, -1000).at_rest);
 }
 
-TEST(BallMemory, WhatLiesOnTheFieldOrAtItsLinesIsABall) {
+TEST(BallMemory, AThingOnTheFieldOrItsLinesIsNoFurniture) {
   BallMemory memory;
   for (int i = 0; i < 100; ++i) {
     memory.begin(10 + i * kFrameS);
@@ -58,7 +58,7 @@ TEST(BallMemory, WhatLiesOnTheFieldOrAtItsLinesIsABall) {
   }
 }
 
-TEST(BallMemory, ABallThatRollsOutStaysOne) {
+TEST(BallMemory, ABallThatRollsOutIsNoFurniture) {
   BallMemory memory;
   for (int i = 0; i < 200; ++i) {
     memory.begin(10 + i * kFrameS);
@@ -68,7 +68,7 @@ TEST(BallMemory, ABallThatRollsOutStaysOne) {
   }
 }
 
-TEST(BallMemory, ABallThatRollsInFromOutsideIsOne) {
+TEST(BallMemory, ABallThatRollsInIsNoFurniture) {
   BallMemory memory;
   for (int i = 0; i < 200; ++i) {
     memory.begin(10 + i * kFrameS);
@@ -89,7 +89,7 @@ TEST(BallMemory, TimeThatGoesBackForgetsAll) {
   EXPECT_FALSE(see(memory, 3000, 0, 200).as_furniture);
 }
 
-TEST(BallMemory, WhatNeverMovedAndHasAnotherHueIsNoBall) {
+TEST(BallMemory, AThingOfAnotherHueThatNeverMovedIsNoBall) {
   BallMemory memory;
   int tape = 0, dimmer_tape = 0;
   for (int i = 0; i < 15; ++i) {
@@ -107,7 +107,7 @@ TEST(BallMemory, WhatNeverMovedAndHasAnotherHueIsNoBall) {
   EXPECT_TRUE(memory.see(0, 200, -100, kRed, true).has_other_hue);
 }
 
-TEST(BallMemory, WhatStandsTellsNoHue) {
+TEST(BallMemory, StandingThingsDoNotTeachTheHue) {
   BallMemory memory;
   for (int i = 0; i < 50; ++i) {
     memory.begin(10 + i * kFrameS);
@@ -116,7 +116,7 @@ TEST(BallMemory, WhatStandsTellsNoHue) {
   }
 }
 
-TEST(BallMemory, WhatMovedOrWasPutDownLaterIsABallInAnyHue) {
+TEST(BallMemory, AThingThatMovedOrAppearedLaterIsABallOfAnyHue) {
   BallMemory memory;
   for (int i = 0; i < 1200; ++i) {
     memory.begin(10 + i * kFrameS);

@@ -68,7 +68,7 @@ TEST_F(ColorNames, OnlyAllowedNamesAreGiven) {
   EXPECT_EQ(name(paint_color(label::kOrange), 1, std::array{label::kGreen}).color, label::kGreen);
 }
 
-TEST_F(ColorNames, HalfwayBetweenTwoNothingIsSure) {
+TEST_F(ColorNames, TheMarginIsZeroHalfwayBetweenTwo) {
   const auto pink = drawn_.lut().chromaticity_mean(label::kPink),
              green = drawn_.lut().chromaticity_mean(label::kGreen);
   Color between;
@@ -119,7 +119,7 @@ TEST_F(ColorNames, OtherColoursAreFurtherOffThanAnyPrint) {
   }
 }
 
-TEST_F(ColorNames, WhatIsNoColourIsSurvived) {
+TEST_F(ColorNames, SurvivesImpossibleColours) {
   for (const Color& odd : {Color{0, 0, 0}, Color{-50, -20, -90}, Color{1e30, 0, 0}, Color{-1e30, 400, 1e9}}) {
     const ColorName found = name_color(odd, odd, drawn_.lut(), kAll);
     EXPECT_LT(found.color, label::kCount);

@@ -48,7 +48,7 @@ void expect_monotone(const Evidence& good, double Evidence::*field, const std::v
   }
 }
 
-TEST(Confidence, OfARobotFollowsWhatSpeaksForIt) {
+TEST(Confidence, OfARobotGrowsWithItsEvidence) {
   EXPECT_GT(confidence_of(kGoodRobot), 0.95);
   expect_monotone(kGoodRobot, &RobotEvidence::min_sure, {0, 0.01, 0.1, 1, 10, 1000}, true, "min_sure");
   expect_monotone(kGoodRobot, &RobotEvidence::rms_mm, {0, 0.1, 0.5, 1, 3, 10, 100}, false, "rms_mm");
@@ -62,7 +62,7 @@ TEST(Confidence, OfARobotFollowsWhatSpeaksForIt) {
   }
 }
 
-TEST(Confidence, OfABallFollowsWhatSpeaksForIt) {
+TEST(Confidence, OfABallGrowsWithItsEvidence) {
   EXPECT_GT(confidence_of(good_ball()), 0.95);
   expect_monotone(good_ball(), &BallEvidence::r2, {-1, 0, 0.2, 0.5, 0.8, 0.95, 0.999, 1, 1.1}, true, "r2");
   expect_monotone(good_ball(), &BallEvidence::moved_share, {0, 0.1, 0.3, 1, 5}, false, "moved_share");
@@ -112,7 +112,7 @@ TEST(Confidence, IsANumberWhateverTheEvidence) {
   EXPECT_LT(confidence_of(BallEvidence{}), 0.95);
 }
 
-TEST(Confidence, NotANumberSpeaksForNothing) {
+TEST(Confidence, IsZeroForNonFiniteEvidence) {
   RobotEvidence robot = kGoodRobot;
   robot.rms_mm = kNan;
   EXPECT_EQ(confidence_of(robot), 0);

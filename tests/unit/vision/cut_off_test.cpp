@@ -37,7 +37,7 @@ Mask without(const MaskPolygon& polygon) {
   return Mask(settings);
 }
 
-TEST(CutOff, IsWhatTouchesTheMask) {
+TEST(CutOff, IsARegionThatTouchesTheMask) {
   const Mask mask = window();
   for (const PixelFormat format : {PixelFormat::kRgb24, PixelFormat::kUyvy}) {
     const ImageView image = picture(format);
@@ -74,7 +74,7 @@ TEST(CutOff, NotByThePicturesOwnEdge) {
   }
 }
 
-TEST(CutOff, NotByWhatOnlyTheCornersOfItsBoxReach) {
+TEST(CutOff, IgnoresTheCornersOfTheBox) {
   // Hides a corner of 10 x 10 px: a disc of radius 10 around (17, 17) does not touch it, but its box does.
   const Mask corner = without({{{0, 0}, {9.5, 0}, {9.5, 9.5}, {0, 9.5}}});
   const ImageView image = picture(PixelFormat::kRgb24);

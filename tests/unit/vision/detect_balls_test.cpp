@@ -115,7 +115,7 @@ TEST_P(DetectBallsIn, OfLessThanTwoCells) {
   }
 }
 
-TEST(DetectBalls, DotsOfARobotThatIsNotFoundAreNoneAlsoWhereTheyAreTwoCells) {
+TEST(DetectBalls, TwoCellDotsOfAnUndetectedRobotAreNoBalls) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> off(-30, 30), angle(-kPi, kPi);
   DrawnScene drawn(plain_options(PixelFormat::kBayerRg8, 4), wide_camera(2.08));
@@ -131,7 +131,7 @@ TEST(DetectBalls, DotsOfARobotThatIsNotFoundAreNoneAlsoWhereTheyAreTwoCells) {
     ADD_FAILURE() << "no ball at " << ball.x_mm << ", " << ball.y_mm << " confidence " << ball.confidence;
 }
 
-TEST_P(DetectBallsIn, APieceOfWhatTheMaskCutsIsNone) {
+TEST_P(DetectBallsIn, ABallCutByTheMaskIsNotReported) {
   DrawnScene drawn(plain_options(GetParam()));
   drawn.add_ball(1000, 300);
   drawn.add_ball(1500, -600);
@@ -155,7 +155,7 @@ TEST_P(DetectBallsIn, APieceOfWhatTheMaskCutsIsNone) {
   EXPECT_NEAR(found(mask).front().x_mm, 1500, 1);
 }
 
-TEST_P(DetectBallsIn, TapeIsToldFromThem) {
+TEST_P(DetectBallsIn, TapeFitsARectangleBetter) {
   DrawnScene drawn(plain_options(GetParam(), 4));
   drawn.add_thing({Shape::kRectangle, label::kOrange, 1200, 300, 0.4, 38, 38});
   drawn.add_ball(1500, -600);
@@ -294,7 +294,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, DetectBallsIn, ::testing::ValuesIn(kColorForma
 
 // ---- things that are not balls
 
-TEST(DetectBalls, APinkDotIsNone) {
+TEST(DetectBalls, APinkDotIsNoBall) {
   DrawnScene drawn(plain_options(PixelFormat::kUyvy, 4));
   drawn.add_thing({Shape::kEllipse, label::kPink, 1300, 400, 0, 43, 43});
   for (int id = 0; id < 16; ++id)
@@ -302,7 +302,7 @@ TEST(DetectBalls, APinkDotIsNone) {
   EXPECT_THAT(drawn.balls().balls, IsEmpty());
 }
 
-TEST(DetectBalls, ALineCrossingIsNone) {
+TEST(DetectBalls, ALineCrossingIsNoBall) {
   for (const double red : {1.0, 1.4}) {
     SimulatorOptions options = plain_options(PixelFormat::kUyvy, 8);
     options.red_gain = red;
@@ -311,7 +311,7 @@ TEST(DetectBalls, ALineCrossingIsNone) {
   }
 }
 
-TEST(DetectBalls, ARobotsCentreDotThatReadsAsOrangeIsNone) {
+TEST(DetectBalls, ARobotsOrangeCentreDotIsNoBall) {
   DrawnScene drawn(plain_options(PixelFormat::kUyvy, 4));
   for (int i = 0; i < 6; ++i) {
     drawn.add_robot(Team::kYellow, i, 900 + 500.0 * (i / 2), i % 2 == 0 ? -700 : 700, i);
@@ -323,7 +323,7 @@ TEST(DetectBalls, ARobotsCentreDotThatReadsAsOrangeIsNone) {
   EXPECT_THAT(drawn.robots().robots, SizeIs(6));
 }
 
-TEST(DetectBalls, AnOrangeDiscOfAnotherSizeIsNone) {
+TEST(DetectBalls, AnOrangeDiscOfAnotherSizeIsNoBall) {
   for (const PixelFormat format : kColorFormats) {
     for (const double factor : {0.5, 1.5, 2.0, 3.0}) {
       DrawnScene drawn(plain_options(format, 4));
@@ -334,7 +334,7 @@ TEST(DetectBalls, AnOrangeDiscOfAnotherSizeIsNone) {
   }
 }
 
-TEST(DetectBalls, AnOrangeSquareOrStripeIsNone) {
+TEST(DetectBalls, AnOrangeSquareOrStripeIsNoBall) {
   struct Form {
     double length_mm, width_mm;
   };
@@ -351,7 +351,7 @@ TEST(DetectBalls, AnOrangeSquareOrStripeIsNone) {
   }
 }
 
-TEST(DetectBalls, TapeOfABallsSizeIsNoneOnceItIsKnownToRest) {
+TEST(DetectBalls, RestingTapeOfABallsSizeIsNoBall) {
   for (const PixelFormat format : kColorFormats) {
     DrawnScene drawn(plain_options(format, 4));
     const std::array<std::array<double, 2>, 3> sizes_mm{{{38, 38}, {42, 36}, {45, 30}}};
@@ -375,7 +375,7 @@ TEST(DetectBalls, TapeOfABallsSizeIsNoneOnceItIsKnownToRest) {
   }
 }
 
-TEST(DetectBalls, AnOrangeBagIsNone) {
+TEST(DetectBalls, AnOrangeBagIsNoBall) {
   for (const double size_mm : {100.0, 300.0}) {
     DrawnScene drawn(plain_options(PixelFormat::kUyvy, 4));
     drawn.cover(1300, 300, 200, size_mm / 2, paint_color(label::kOrange));
@@ -402,7 +402,7 @@ TEST(DetectBalls, NoneFarOutsideTheField) {
   EXPECT_THAT(drawn.balls(params).balls, SizeIs(3));
 }
 
-TEST(DetectBalls, WhatStandsOffTheFieldIsFurniture) {
+TEST(DetectBalls, AStandingThingOffTheFieldIsNoBall) {
   FieldSize field;
   field.field_width = 2000;
   field.field_length = 4000;
@@ -427,7 +427,7 @@ TEST(DetectBalls, WhatStandsOffTheFieldIsFurniture) {
   }
 }
 
-TEST(DetectBalls, WhatLiesOnARobotIsPartOfIt) {
+TEST(DetectBalls, AStickerOnARobotIsNoBall) {
   DrawnScene drawn;
   drawn.add_robot(Team::kBlue, 9, 1400, 300, 1);
   drawn.cover(1400 - 60 * std::cos(1), 300 - 60 * std::sin(1), 140, 12, paint_color(label::kOrange));
@@ -460,7 +460,7 @@ TEST(DetectBalls, TheBestOnesAreReported) {
   }
 }
 
-TEST(DetectBalls, BelowTheLeastConfidenceNoneIsReported) {
+TEST(DetectBalls, DropsBallsBelowTheMinimumConfidence) {
   DrawnScene drawn(plain_options(PixelFormat::kUyvy, 4));
   for (int i = 0; i < 4; ++i) drawn.add_ball(700 + 300.0 * i, 400);
   drawn.cover(700 + 20, 400, 60, 14, {60, 60, 60});

@@ -330,7 +330,7 @@ TEST(DetectRobots, AStickerOverADotNeverGivesAnotherId) {
   expect_no_wrong_id(20.5, 1, kStickers);
 }
 
-TEST(DetectRobots, TheRosterTellsWhoHasACoveredDot) {
+TEST(DetectRobots, TheRosterIdentifiesARobotWithACoveredDot) {
   for (int id = 0; id < 16; ++id) {
     const int dot = id % 4;
     const int twin = twin_of(id, static_cast<std::size_t>(dot));
@@ -345,7 +345,7 @@ TEST(DetectRobots, TheRosterTellsWhoHasACoveredDot) {
   }
 }
 
-TEST(DetectRobots, TheOtherRobotsTellWhoHasACoveredDot) {
+TEST(DetectRobots, TheOtherRobotsIdentifyARobotWithACoveredDot) {
   // Without one dot, id 8 could be another id, too; but that robot is seen elsewhere.
   for (std::size_t dot = 0; dot < 4; ++dot) {
     const int twin = twin_of(8, dot);
@@ -357,7 +357,7 @@ TEST(DetectRobots, TheOtherRobotsTellWhoHasACoveredDot) {
   }
 }
 
-TEST(DetectRobots, MemoryTellsWhoHasACoveredDot) {
+TEST(DetectRobots, MemoryIdentifiesARobotWithACoveredDot) {
   for (int id = 0; id < 16; ++id) {
     DrawnScene before, after;
     before.add_robot(Team::kYellow, id, 1300, -500, 0.5 * id);
@@ -759,7 +759,7 @@ void cover_with_discs(DrawnScene& drawn, double from_x_mm, double to_x_mm, doubl
   }
 }
 
-TEST(DetectRobots, ABoardFullOfTheSideDotsColoursTakesNoWorkFromARobotThatIsRemembered) {
+TEST(DetectRobots, ABoardOfSideDotColoursDoesNotStarveARememberedRobot) {
   DrawnScene before, after;
   for (DrawnScene* drawn : {&before, &after}) drawn->add_robot(Team::kBlue, 5, 2600, 300, 0.7);
   cover_on_top(after, after.things().robots[0], 0, 0, 26, kTopColor);
@@ -773,7 +773,7 @@ TEST(DetectRobots, ABoardFullOfTheSideDotsColoursTakesNoWorkFromARobotThatIsReme
   expect_nothing_wrong(found.robots, after, 1, 1);
 }
 
-TEST(DetectRobots, BlobsOfATeamsColourWithoutSideDotsTakeNoWorkFromRobots) {
+TEST(DetectRobots, BlobsWithoutSideDotsDoNotStarveRobots) {
   constexpr std::array kYellow{label::kYellow};
   DrawnScene drawn;
   cover_with_discs(drawn, -700, 2000, 95, 50, kYellow);

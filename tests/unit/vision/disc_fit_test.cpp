@@ -276,7 +276,7 @@ TEST_P(DiscFitIn, AllInstructionSetsGiveTheSameSumsOfABall) {
 
 // The last vector is padded after the last sample. Whatever the plane's curvature, the padding must not count
 // as part of the disc.
-TEST_P(DiscFitIn, WhatFillsAVectorIsNoSample) {
+TEST_P(DiscFitIn, PaddingIsNotASample) {
   const DiscPicture shown(GetParam(), 48, 48, {}, 4);
   PlanePatch patch = flat_patch(24, 24);
   patch.xuu = -patch.xu / 1e5, patch.yu = patch.yuu = 0;
@@ -354,7 +354,7 @@ TEST_P(DiscFitIn, RowsMayBePadded) {
   EXPECT_EQ(a.color, b.color);
 }
 
-TEST_P(DiscFitIn, BeyondTheOutlineNothingCounts) {
+TEST_P(DiscFitIn, IgnoresPixelsBeyondTheOutline) {
   // White carpet beside the top must not change what is found on it.
   const DiscPicture plain(GetParam(), 60, 40, {{20, 20, kRadiusMm / kMmPerPx}}, 0);
   const DiscPicture beside(GetParam(), 60, 40, {{20, 20, kRadiusMm / kMmPerPx}, {32, 20, 5}}, 0);

@@ -37,7 +37,7 @@ int distance_outside_mm(const Scene& scene, Eigen::Vector2d place_mm) {
   return static_cast<int>(std::max(x, y));
 }
 
-TEST(FieldView, HasTheFieldAndALittleAndNotTheHall) {
+TEST(FieldView, ShowsTheFieldWithAMarginAndHidesTheHall) {
   for (const CameraCalibration& calibration : {overhead_camera(), oblique_camera()}) {
     const Scene scene = small_field(calibration);
     const Mask mask({}, field_view(scene, 200));
@@ -102,7 +102,7 @@ TEST(FieldView, LimitsTheMaskInPixelsAndQuads) {
   EXPECT_THAT(whole.row(20, 2), ElementsAre(Interval{0, 16'384}));
 }
 
-TEST(FieldView, HiddenRectanglesAreAllThatItLeavesOut) {
+TEST(FieldView, HiddenRectanglesCoverTheRest) {
   FieldView view;
   view.width_px = 64;
   view.bands = {{{16, 48}}, {{16, 48}}, {}, {{0, 64}}, {{32, 64}}};
@@ -113,7 +113,7 @@ TEST(FieldView, HiddenRectanglesAreAllThatItLeavesOut) {
                                  std::array{0, 32, 64, 16}, std::array{0, 64, 32, 16}));
 }
 
-TEST(FieldView, StagesLookAtItUnlessTheSettingsSayAllOfThePicture) {
+TEST(FieldView, LimitsTheStagesUnlessTheSettingsSayTheWholeImage) {
   Json camera = {{"calibration", params_to_json(overhead_camera())}};
   const auto context_of = [&] {
     return make_context(

@@ -52,7 +52,7 @@ void flood(LabelImage& picture, int across, int down, int rows, Label label) {
   }
 }
 
-TEST(FloodCut, FindsAllElseWhereALabelFloods) {
+TEST(FloodCut, FindsOtherRegionsBesideAFlood) {
   LabelImage picture = clear_picture(4 * kBlock, 3 * kBlock);
   flood(picture, 1, 1, kBlock, label::kGreen);
   fill(picture, kBlock + 20, kBlock + 20, 9, 9, label::kPink);
@@ -69,7 +69,7 @@ TEST(FloodCut, FindsAllElseWhereALabelFloods) {
   EXPECT_EQ(flood_text(runs.flood, "green"), "green floods the image between (64, 64) and (127, 127) px");
 }
 
-TEST(FloodCut, LeavesAloneWhatIsDenseButNoFlood) {
+TEST(FloodCut, KeepsDenseBlocksBelowTheLimit) {
   LabelImage picture = clear_picture(2 * kBlock, kBlock);
   flood(picture, 0, 0, FloodCut::kMaxOfLabel / (kBlock / 2), label::kGreen);
   RunList runs = runs_of(picture);
@@ -97,7 +97,7 @@ TEST(FloodCut, LeavesDotsAmongSpeckle) {
   EXPECT_GT(runs.runs.size(), 300U);
 }
 
-TEST(FloodCut, CutsAllLabelsWhereNothingCanBeTold) {
+TEST(FloodCut, CutsAllLabelsInABlockOfNoise) {
   LabelImage picture = clear_picture(2 * kBlock, kBlock);
   std::mt19937 random(1);
   for (int y = 0; y < kBlock; ++y) {

@@ -41,7 +41,7 @@ std::string error_of(const std::vector<OwnLabel>& own) {
   return "no error";
 }
 
-TEST(LabelSet, RefusesWhatCannotBeToldApart) {
+TEST(LabelSet, RefusesInvalidLabels) {
   EXPECT_THAT(error_of({{9, "purple"}}), AllOf(HasSubstr("/own_labels/0/value: 9"), HasSubstr("10 .. 31")));
   EXPECT_THAT(error_of({{10, "a"}, {10, "b"}}), HasSubstr("/own_labels/1/value: 10 is \"a\" already"));
   EXPECT_THAT(error_of({{10, "a"}, {11, "a"}}), HasSubstr("/own_labels/1/name: \"a\" is taken"));

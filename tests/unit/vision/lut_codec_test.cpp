@@ -72,7 +72,7 @@ TEST(LutCodec, ReadsTheFirstVersion) {
   bytes.insert(bytes.end(), table.labels.begin(), table.labels.end());
   EXPECT_TRUE(decode_lut(bytes, "") == table);
   bytes[1000] = 17;
-  EXPECT_THAT(error_of(bytes), HasSubstr("a.lut: holds label 17, which is none of clear"));
+  EXPECT_THAT(error_of(bytes), HasSubstr("a.lut: has an unknown label 17; expected one of clear"));
   bytes.pop_back();
   EXPECT_THAT(error_of(bytes),
               HasSubstr("2097159 bytes; a .lut file that begins with \"SSLVLUT1\" has 2097160"));
@@ -88,7 +88,8 @@ TEST(LutCodec, LabelsAreFoundByName) {
   EXPECT_EQ(read.labels[5], 30);
   EXPECT_EQ(read.labels[6], 10);
   EXPECT_EQ(read.labels[7], label::kPink);
-  EXPECT_THAT(error_of(encode_lut(table, here)), HasSubstr("holds the label \"purple\", which is none of"));
+  EXPECT_THAT(error_of(encode_lut(table, here)),
+              HasSubstr("has an unknown label \"purple\"; expected one of"));
 }
 
 TEST(LutCodec, ALabelWithoutANameKeepsItsValue) {
@@ -109,7 +110,7 @@ TEST(LutCodec, SaysWhatIsWrongWithAFile) {
   EXPECT_THAT(error_of({}), HasSubstr("does not begin with"));
   EXPECT_THAT(error_of(changed(8, 4)), HasSubstr("4 bits a channel; expected 5 .. 8"));
   EXPECT_THAT(error_of(changed(10, 32)), HasSubstr("label 32; labels are 0 .. 31"));
-  EXPECT_THAT(error_of(changed(12, 'C')), HasSubstr("holds the label \"Clear\""));
+  EXPECT_THAT(error_of(changed(12, 'C')), HasSubstr("has an unknown label \"Clear\""));
   for (const std::size_t size : {std::size_t{9}, std::size_t{11}, std::size_t{14}, good.size() - 1}) {
     EXPECT_THAT(error_of(Bytes(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(size))),
                 HasSubstr("it is cut off"))
@@ -117,7 +118,7 @@ TEST(LutCodec, SaysWhatIsWrongWithAFile) {
   }
   Bytes longer = good;
   longer.push_back(0);
-  EXPECT_THAT(error_of(longer), HasSubstr("goes on for 1 bytes after its last cell"));
+  EXPECT_THAT(error_of(longer), HasSubstr("has 1 bytes after its last cell"));
 
   const Bytes head{'S', 'S', 'L', 'V', 'L', 'U', 'T', '2', 5, 1, 0, 5, 'c', 'l', 'e', 'a', 'r'};
   const auto with = [&](const Bytes& runs) {
@@ -129,7 +130,7 @@ TEST(LutCodec, SaysWhatIsWrongWithAFile) {
   EXPECT_THAT(error_of(with({0, 0x81, 0x80, 2})), HasSubstr("a run at cell 0 that is longer than the table"));
   EXPECT_THAT(error_of(with({0, 0x80, 0x80, 0x80, 0x80, 0x80, 1})), HasSubstr("longer than the table"));
   EXPECT_THAT(error_of(with({0, 0})), HasSubstr("an empty run at cell 0"));
-  EXPECT_THAT(error_of(with({3, 0x80, 0x80, 2})), HasSubstr("holds label 3 without its name"));
+  EXPECT_THAT(error_of(with({3, 0x80, 0x80, 2})), HasSubstr("has label 3 without a name"));
   EXPECT_THAT(error_of(with({40, 1})), HasSubstr("label 40; labels are 0 .. 31"));
 }
 

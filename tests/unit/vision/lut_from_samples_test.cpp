@@ -151,7 +151,7 @@ TEST(LutFromSamples, ADotsEdgeOnBlackBelongsToTheDot) {
   }
 }
 
-TEST(LutFromSamples, WhatIsShownAsClearStaysClear) {
+TEST(LutFromSamples, ColoursSampledAsClearStayClear) {
   const Rgb purple{120, 60, 190};
   std::vector<ColorSample> samples = Clicks{0.5, 1}.samples();
   EXPECT_EQ(of(lut_from_samples(samples), {40, 70, 180}), label::kBlue);

@@ -62,7 +62,7 @@ TEST(Lut, HueMayPassZero) {
   EXPECT_EQ(lut->of_yuv(128, 168, 168), label::kClear);
 }
 
-TEST(Lut, RgbTwinAgreesWithYuv) {
+TEST(Lut, RgbTableAgreesWithYuv) {
   ColorSettings colors;
   colors.classes = {{"orange", {0, 255}, {90, 160}, {30, 1000}}};
   const auto lut = make_lut(colors, "/colors");
@@ -273,7 +273,7 @@ TEST(Lut, EveryCellCanBeChangedOnItsOwn) {
   expect_same(lut.with_changes(changed), Lut(table));
 }
 
-TEST(Lut, RefusesWhatIsNoTable) {
+TEST(Lut, RefusesInvalidTables) {
   EXPECT_THAT(error_of([] { Lut(ColorTable(7, {1, 2, 3})); }), HasSubstr("3 labels; expected 2097152"));
   EXPECT_THAT(error_of([] { Lut(ColorTable(4)); }), HasSubstr("4 bits a channel; expected 5 .. 8"));
   ColorTable table(5);

@@ -54,7 +54,7 @@ TEST(Mask, ExcludingAloneLeavesTheRest) {
   EXPECT_THAT(mask.row(20, 1), ElementsAre(Interval{0, 16'384}));
 }
 
-TEST(Mask, TellsOfASinglePixel) {
+TEST(Mask, ChecksASinglePixel) {
   const Mask mask({{}, {rectangle(-5, -5, 19.5, 9.5)}});
   EXPECT_FALSE(mask.shows(0, 0));
   EXPECT_FALSE(mask.shows(19.4, 9.4));

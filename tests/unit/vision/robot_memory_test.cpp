@@ -30,7 +30,7 @@ TEST(RobotMemory, ExpectsARobotWhereItStoodUntilItIsSeenTwice) {
   EXPECT_EQ(expected.angle_rad, 0.5);
 }
 
-TEST(RobotMemory, ThenWhereItDrives) {
+TEST(RobotMemory, ThenPredictsItsMotion) {
   RobotMemory memory;
   memory.remember({{robot_at(Team::kBlue, 4, 100, -200, 0.5)}}, 10);
   memory.remember({{robot_at(Team::kBlue, 4, 120, -230, 0.6)}}, 10.01);
@@ -85,7 +85,7 @@ TEST(RobotMemory, TurnsTheShortWay) {
   EXPECT_NEAR(std::remainder(expected - (-kPi + 0.15), 2 * kPi), 0, 1e-6);
 }
 
-TEST(RobotMemory, WhatWasPutElsewhereStandsThere) {
+TEST(RobotMemory, AMovedRobotStandsAtItsNewPlace) {
   RobotMemory memory;
   memory.remember({{robot_at(Team::kBlue, 4, 0, 0, 0)}}, 10);
   memory.remember({{robot_at(Team::kBlue, 4, 2000, 0, 2)}}, 10.016);
@@ -101,7 +101,7 @@ TEST(RobotMemory, KnowsTeamsAndIdsApart) {
   EXPECT_THAT(memory.entries(), SizeIs(3));
 }
 
-TEST(RobotMemory, OfTwoWithTheSameIdTheBetterCounts) {
+TEST(RobotMemory, OfTwoWithTheSameIdTheMoreConfidentCounts) {
   // Lists are sorted by falling confidence.
   RobotMemory memory;
   memory.remember({{robot_at(Team::kBlue, 4, 0, 0, 0), robot_at(Team::kBlue, 4, 900, 0, 0)}}, 10);

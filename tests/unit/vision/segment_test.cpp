@@ -225,7 +225,7 @@ TEST(Segment, UsesTheBestInstructionSetOfThisCpu) {
   EXPECT_EQ(search_runs_target(), name_of_target(cpu_targets().front()));
 }
 
-TEST(Segment, ATableTakesForceWithTheNextFrame) {
+TEST(Segment, ATableTakesEffectWithTheNextFrame) {
   Picture picture(PixelFormat::kUyvy, 780, 60, 0);
   Random random(1);
   for (int y = 0; y < 60; ++y) {

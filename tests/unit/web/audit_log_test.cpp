@@ -66,7 +66,7 @@ TEST_F(AuditLogTest, RefusalsAreWrittenOnceAndThenCounted) {
   EXPECT_THAT(lines(), ElementsAre("audit: 192.0.2.7 PATCH \"/api/settings\" 401")) << "a first one again";
 }
 
-TEST_F(AuditLogTest, SigningOutIsCountedAsItIsForEverybody) {
+TEST_F(AuditLogTest, RepeatedSignOutsHaveOneLine) {
   for (int i = 0; i < 1000; ++i) audit_->add("192.0.2.7", "DELETE", "/api/session", 200);
   EXPECT_THAT(lines(), SizeIs(1));
 }
@@ -84,7 +84,7 @@ TEST_F(AuditLogTest, ManyAddressesAreCountedTogether) {
   EXPECT_THAT(lines(), ElementsAre("audit: 2001:db8::0 PATCH \"/api/settings\" 401")) << "a network is one";
 }
 
-TEST_F(AuditLogTest, NothingThatWasCountedIsLost) {
+TEST_F(AuditLogTest, CountsAreLoggedAtTheEnd) {
   refuse("192.0.2.7", 3);
   lines();
   audit_.reset();

@@ -62,7 +62,7 @@ TEST_F(ConnectionsTest, HalfRequestsOfManyAddressesKeepNobodyOut) {
   EXPECT_FALSE(monitor->closed) << "it is being answered";
 }
 
-TEST_F(ConnectionsTest, WhoHasMostLosesFirst) {
+TEST_F(ConnectionsTest, TheAddressWithMostLosesFirst) {
   const auto browser = connect("192.0.2.1");  // idle for longest
   std::vector<std::shared_ptr<Connection>> attackers;
   for (int i = 0; i < 1000; ++i) attackers.push_back(connect("198.51.100." + std::to_string(i % 4)));
@@ -81,7 +81,7 @@ TEST_F(ConnectionsTest, OneAddressHasNoMoreThanHalf) {
   EXPECT_TRUE(connect("2001:db8::1", true)) << "an admin's in the same network";
 }
 
-TEST_F(ConnectionsTest, StrangersNeverHaveAll) {
+TEST_F(ConnectionsTest, StrangersNeverGetAllConnections) {
   const auto busy = connect_many(kMax);  // the newest of them stay open
   for (const auto& one : busy) one->seat->works();
   EXPECT_FALSE(connect("192.0.2.1"));
@@ -95,7 +95,7 @@ TEST_F(ConnectionsTest, StrangersNeverHaveAll) {
   EXPECT_EQ(closed(own), 3 * kMax - kMax / 8) << "its own that wait go";
 }
 
-TEST_F(ConnectionsTest, AnAnswerThatIsTakenForTooLongMakesRoom) {
+TEST_F(ConnectionsTest, AClientThatReadsTooSlowlyIsClosed) {
   const auto slow = connect_many(kMax - kMax / 8);
   for (const auto& one : slow) one->seat->sends();
   EXPECT_FALSE(connect("192.0.2.1")) << "it may be a moment before an answer has left";
@@ -105,7 +105,7 @@ TEST_F(ConnectionsTest, AnAnswerThatIsTakenForTooLongMakesRoom) {
   EXPECT_EQ(closed(slow), 1);
 }
 
-TEST_F(ConnectionsTest, WhoTakesALittleNowAndThenKeepsNobodyOut) {
+TEST_F(ConnectionsTest, SlowReadersKeepNobodyOut) {
   std::vector<std::shared_ptr<Connection>> attackers, newcomers;
   for (int i = 0; i < kMax - kMax / 8; ++i)
     attackers.push_back(connect("198.51.100." + std::to_string(i % 2)));
@@ -142,7 +142,7 @@ TEST_F(ConnectionsTest, ViewersStayButLeaveRoom) {
   EXPECT_TRUE(connect("198.51.100.0")->seat->stays(false, problem_)) << "others have gone";
 }
 
-TEST_F(ConnectionsTest, RoomComesBackWithWhoGoes) {
+TEST_F(ConnectionsTest, ClosedConnectionsMakeRoom) {
   for (int round = 0; round < 10; ++round) {
     auto busy = connect_many(kMax - kMax / 8);
     for (const auto& one : busy) {
@@ -157,7 +157,7 @@ TEST_F(ConnectionsTest, RoomComesBackWithWhoGoes) {
 
 constexpr std::size_t kMiB = 1024 * 1024;
 
-TEST_F(ConnectionsTest, WhatWaitsForAnAddressHasALimit) {
+TEST_F(ConnectionsTest, UnsentBytesOfAnAddressAreLimited) {
   std::vector<std::shared_ptr<Connection>> greedy;
   std::size_t held = 0;
   for (int i = 0; i < 20; ++i) {
@@ -166,7 +166,7 @@ TEST_F(ConnectionsTest, WhatWaitsForAnAddressHasALimit) {
   }
   EXPECT_LE(held, Connections::kMaxUnsentBytesOfAddress);
   EXPECT_GE(held, Connections::kMaxUnsentBytesOfAddress / 2);
-  EXPECT_EQ(problem_, "too much waits for slow clients; try again in a moment");
+  EXPECT_EQ(problem_, "too much data is waiting for slow clients; try again in a moment");
   EXPECT_EQ(unsent_, 20 - held / (3 * kMiB));
   EXPECT_TRUE(greedy.back()->seat->holds(Connections::kAlwaysSentBytes, problem_)) << "whether all is well";
   EXPECT_TRUE(connect("192.0.2.1")->seat->holds(3 * kMiB, problem_)) << "another address";
@@ -185,7 +185,7 @@ TEST_F(ConnectionsTest, OneAnswerIsSentHoweverLargeItIs) {
   EXPECT_TRUE(another->seat->holds(100 * kMiB, problem_)) << "beside a small one";
 }
 
-TEST_F(ConnectionsTest, WhatWaitsForAllHasALimit) {
+TEST_F(ConnectionsTest, UnsentBytesOfAllAreLimited) {
   std::size_t held = 0;
   std::vector<std::shared_ptr<Connection>> all = connect_many(kMax - kMax / 8);
   for (const auto& one : all) held += one->seat->holds(2 * kMiB, problem_) ? 2 * kMiB : 0;
@@ -196,7 +196,7 @@ TEST_F(ConnectionsTest, WhatWaitsForAllHasALimit) {
   EXPECT_FALSE(connect("127.0.0.1", true)->seat->holds(10 * kMiB, problem_)) << "which has an end, too";
 }
 
-TEST_F(ConnectionsTest, WhoTakesNothingMakesRoomForOthers) {
+TEST_F(ConnectionsTest, AClientThatReadsNothingIsClosedForOthers) {
   const auto slow = connect_many(static_cast<int>(Connections::kMaxUnsentBytes / (2 * kMiB)));
   for (const auto& one : slow) ASSERT_TRUE(one->seat->holds(2 * kMiB, problem_));
   const auto other = connect("192.0.2.1");
@@ -212,7 +212,7 @@ TEST_F(ConnectionsTest, WhoTakesNothingMakesRoomForOthers) {
   EXPECT_EQ(unsent_, 2U);
 }
 
-TEST_F(ConnectionsTest, OfAnAddressWithMuchTheSlowestGoesSooner) {
+TEST_F(ConnectionsTest, TheSlowestOfAGreedyAddressIsClosedSooner) {
   const auto greedy = connect("198.51.100.1");
   ASSERT_TRUE(greedy->seat->holds(7 * kMiB, problem_));
   greedy->seat->sends();
@@ -246,7 +246,7 @@ TEST_F(ConnectionsTest, SlowViewersOfAnAddressStayAndSkipImages) {
   EXPECT_EQ(closed(viewers), 1) << "one that takes nothing";
 }
 
-TEST_F(ConnectionsTest, ARequestThatIsHandledWaitsForNoClient) {
+TEST_F(ConnectionsTest, ARequestInProgressIsNotClosedAsSlow) {
   const auto busy = connect("198.51.100.1");
   ASSERT_TRUE(busy->seat->holds(7 * kMiB, problem_));
   busy->seat->works();
@@ -258,7 +258,7 @@ TEST_F(ConnectionsTest, ARequestThatIsHandledWaitsForNoClient) {
   EXPECT_FALSE(busy->closed);
 }
 
-TEST_F(ConnectionsTest, WhatWaitsIsCountedWhereTheClientBelongs) {
+TEST_F(ConnectionsTest, UnsentBytesCountForTheClientsCurrentShare) {
   const auto one = connect("192.0.2.1");
   ASSERT_TRUE(one->seat->holds(7 * kMiB, problem_));
   ASSERT_TRUE(one->seat->stays(true, problem_));

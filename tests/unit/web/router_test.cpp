@@ -76,7 +76,7 @@ TEST_F(RouterTest, AnswersWithWhatHandlersMake) {
   EXPECT_EQ(Json::parse(ask("PUT", "/api/names/a%2Fb").body)["name"], "a/b");  // the handler must refuse it
 }
 
-TEST_F(RouterTest, MonitoringGetsPlainTextThatNobodyKeeps) {
+TEST_F(RouterTest, MonitoringGetsUncachedPlainText) {
   for (const auto& [path, status, text] :
        {std::tuple("/healthz", 200, "ok\n"), {"/readyz", 503, "camera 0 is lost\n"}}) {
     const Answer answer = ask("GET", path);
@@ -285,7 +285,7 @@ TEST_F(RouterTest, AnAddressWithAZeroByteIsRefused) {
   for (const char* target : {"/index.html%00.txt", "/%00", "/api/status%00", "/api/profiles/a%00b"}) {
     const Answer answer = ask("GET", target);
     EXPECT_EQ(answer.status, 400) << target;
-    EXPECT_EQ(answer.body, R"({"error":"the address has a zero byte in it"})") << target;
+    EXPECT_EQ(answer.body, R"({"error":"the address contains a zero byte"})") << target;
   }
 }
 
@@ -296,7 +296,7 @@ TEST_F(RouterTest, SaysHowToBuildAMissingPanel) {
   EXPECT_THAT(response.body, HasSubstr("./run build"));
 }
 
-TEST_F(RouterTest, RequestsThatMakeNoSenseAreTheLastOfTheirConnection) {
+TEST_F(RouterTest, InvalidRequestsCloseTheirConnection) {
   for (const std::string& request :
        {std::string("\r\n\r\n"), std::string("GET / HTTP/9.9\r\n\r\n"), std::string("GET /\r\n\r\n"),
         std::string("FETCH / HTTP/1.1\r\n\r\n"), "GET /" + std::string(9000, 'x') + " HTTP/1.1\r\n\r\n",
@@ -318,7 +318,7 @@ TEST_F(RouterTest, TheClientDecidesWhetherItsConnectionIsKept) {
   EXPECT_THAT(router_.answer("GET / HTTP/1.0\r\n\r\n", "").bytes, HasSubstr("Connection: close\r\n"));
 }
 
-TEST_F(RouterTest, AFileThatWasPackedIsSentSoToThoseWhoTakeIt) {
+TEST_F(RouterTest, CompressedFilesAreSentToClientsThatAcceptThem) {
   const auto pack = [&](const std::string& name) {
     std::ofstream(folder_ / "panel" / (name + ".gz")) << "packed";
   };
@@ -363,7 +363,7 @@ TEST_F(RouterTest, HeadIsGetWithoutTheBody) {
   EXPECT_EQ(ask("HEAD", "/api/nothing").status, 404);
 }
 
-TEST_F(RouterTest, NothingIsMultipliedOrUnpackedForAClient) {
+TEST_F(RouterTest, IgnoresMultipleRangesAndCompressedBodies) {
   std::string ranges = "Range: bytes=0-";
   while (ranges.size() < 1000) ranges += ",0-";
   EXPECT_EQ(ask("GET", "/", "", ranges + "\r\n").body, "<!doctype html>");

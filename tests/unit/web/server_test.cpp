@@ -292,7 +292,7 @@ TEST_F(ServerTest, ManyLargeRequestsMayBeSentTogether) {
   }
 }
 
-TEST_F(ServerTest, LargeFilesThatAreSentHaveALimitTogether) {
+TEST_F(ServerTest, LargeUploadsTogetherAreLimited) {
   const std::string body(3 << 20, ' '), request = request_text("POST", "/api/file", "", body);
   const std::string half = request.substr(0, request.size() / 2), rest = request.substr(half.size());
   Client first(server_.port()), second(server_.port());
@@ -377,7 +377,7 @@ TEST_F(ServerTest, TooLargeRequestsAreRefused) {
   EXPECT_THAT(endless.read_to_end(), StartsWith("HTTP/1.1 431"));
 }
 
-TEST_F(ServerTest, NobodyListensToMuchOfWhoMayNotChangeAnything) {
+TEST_F(ServerTest, LargeBodiesNeedSigningIn) {
   daemon_.passwords().set(Role::kAdmin, "correct horse");
   Client large(server_.port());  // never sends the body
   large.send("POST /api/session HTTP/1.1\r\nHost: test\r\nContent-Length: 16385\r\n\r\n");
@@ -396,7 +396,7 @@ TEST_F(ServerTest, NobodyListensToMuchOfWhoMayNotChangeAnything) {
             200);
 }
 
-TEST_F(ServerTest, AnswersThatNobodyTakesHaveALimit) {
+TEST_F(ServerTest, UnreadAnswersAreLimited) {
   constexpr std::size_t kBytes =
       6 * 1024 * 1024;  // more than the kernel buffers for a client that reads nothing
   constexpr int kClients = 40, kMaxWaiting = static_cast<int>(Connections::kMaxUnsentBytesOfTrusted / kBytes);
@@ -419,7 +419,7 @@ TEST_F(ServerTest, AnswersThatNobodyTakesHaveALimit) {
   }));
 }
 
-TEST_F(ServerTest, BodiesThatDoNotComeHaveALimit) {
+TEST_F(ServerTest, IncompleteBodiesAreLimited) {
   constexpr int kClients = 40,
                 kMaxWaiting = static_cast<int>(Connections::kMaxUnsentBytesOfTrusted / kMaxBodyBytes);
   std::vector<std::unique_ptr<Client>> half;
@@ -438,7 +438,7 @@ TEST_F(ServerTest, BodiesThatDoNotComeHaveALimit) {
     ASSERT_EQ(ask(monitoring, "PATCH", "/api/settings", "", body).status, 200) << i;
 }
 
-TEST_F(ServerTest, ViewersThatTakeNothingLeaveRoomForOthers) {
+TEST_F(ServerTest, ViewersThatReadNothingLeaveRoomForOthers) {
   const Json large(std::string(400'000, 'x'));
   std::vector<std::unique_ptr<Viewer>> slow;
   for (int i = 0; i < 100; ++i) {
@@ -553,7 +553,7 @@ TEST_F(ServerTest, ThousandsOfHalfRequestsKeepNobodyOut) {
   }
 }
 
-TEST_F(ServerTest, HeadersThatDecideAreGivenOnce) {
+TEST_F(ServerTest, RepeatedHeadersAreRefused) {
   const std::string range = "Range: bytes=0-1\r\n",
                     long_range = "Range: bytes=" + std::string(8000, '1') + "-\r\n";
   for (const auto& [headers, status] : {std::pair(range + long_range, "414"),
@@ -603,7 +603,7 @@ TEST_F(ServerTest, AnAddressThatCannotBeListenedOnIsOneClearLine) {
 }
 
 /// The server moves as after setting a password in the panel; clients that connect meanwhile are served.
-TEST_F(ServerTest, ItMovesWithoutLosingThoseThatWait) {
+TEST_F(ServerTest, ItMovesWithoutLosingWaitingClients) {
   struct SlowHost : FakeHost {
     bool is_trusted(const std::string& address) override {
       if (is_slow.exchange(false)) {
@@ -684,7 +684,7 @@ class ViewsOf : public ViewSource {
   const Ids ids_;
 };
 
-TEST_F(ServerTest, StatusGoesOnWhenACameraIsRemovedBetweenTwoLooks) {
+TEST_F(ServerTest, StatusContinuesWhenACameraIsRemovedMeanwhile) {
   std::atomic<int> looks = 0;
   // Camera 1 exists when the ids are requested, but no longer when its feed is requested.
   ViewsOf views(daemon_, [&] {
@@ -697,7 +697,7 @@ TEST_F(ServerTest, StatusGoesOnWhenACameraIsRemovedBetweenTwoLooks) {
   EXPECT_GE(looks, 6);
 }
 
-TEST_F(ServerTest, StatusGoesOnWhateverALookThrows) {
+TEST_F(ServerTest, StatusContinuesAfterExceptions) {
   std::atomic<bool> broken = true;
   ViewsOf views(daemon_, [&] {
     if (broken) throw std::runtime_error("broken");
@@ -793,7 +793,7 @@ TEST_F(ServerTest, TooLargeMessagesEndTheirViewerOnly) {
   other.synchronise();
 }
 
-TEST_F(ServerTest, WithoutViewersNothingIsLookedAt) {
+TEST_F(ServerTest, WithoutSubscribersNothingIsRead) {
   Viewer viewer(server_.port());
   for (int frame = 1; frame <= 100; ++frame) daemon_.publish(frame);
   viewer.synchronise();
@@ -854,7 +854,7 @@ TEST_F(ServerTest, ALabelledPictureComesToThoseWhoAskForIt) {
   EXPECT_EQ(daemon_.drawings(), 1);
 }
 
-TEST_F(ServerTest, ALabelledPictureIsMadeOnceForAllWhoWantItAlike) {
+TEST_F(ServerTest, ALabelledImageIsMadeOnceForEqualRequests) {
   daemon_.publish(1);
   std::vector<std::unique_ptr<Viewer>> viewers;
   for (const int width : {32, 33, 40, 50, 64, 640}) {  // all equal, because images are not scaled up
@@ -1009,7 +1009,7 @@ TEST_F(ServerTest, TheNextPictureComesOnlyAfterTheAcknowledgement) {
   EXPECT_EQ(counters_.jpegs_encoded, 2);
 }
 
-TEST_F(ServerTest, PicturesComeNoMoreOftenThanWished) {
+TEST_F(ServerTest, ImagesAreSentAtMostAtTheRequestedRate) {
   Viewer viewer(server_.port());
   viewer.send(R"({"preview": {"camera": 0, "fps": 0.01}})");
   daemon_.publish(1);
@@ -1024,7 +1024,7 @@ TEST_F(ServerTest, PicturesComeNoMoreOftenThanWished) {
   EXPECT_EQ(viewer.read_picture().header["frame"], 2);
 }
 
-TEST_F(ServerTest, APictureIsEncodedOnceForAllWhoWantItAlike) {
+TEST_F(ServerTest, AnImageIsEncodedOnceForEqualRequests) {
   daemon_.publish(1);
   Viewer viewer(server_.port());
   viewer.send(R"({"preview": {"camera": 0, "width": 32, "fps": 1000}})");

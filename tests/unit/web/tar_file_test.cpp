@@ -87,7 +87,7 @@ TEST(TarFile, IsReadAsItWasWritten) {
   }
 }
 
-TEST(TarFile, GoesAroundAFileThatNobodyHolds) {
+TEST(TarFile, CanWrapAFileThatIsNotInMemory) {
   for (const std::string& content :
        {std::string(), std::string("x"), std::string(512, 'y'), std::string(100'001, 'z')}) {
     const std::string name = "folder/" + std::string(200, 'n');
@@ -108,7 +108,7 @@ TEST(TarFile, EveryCutIsFound) {
     EXPECT_NE(refusal(bytes.substr(0, size)), "none") << size;
 }
 
-TEST(TarFile, WhatIsNoneIsRefused) {
+TEST(TarFile, RefusesOtherFiles) {
   EXPECT_NE(refusal("no archive"), "none");
   EXPECT_NE(refusal(std::string(100'000, '\0')), "none");
 }
@@ -119,7 +119,7 @@ TEST(TarFile, IsNotUnpackedBeyondItsLimit) {
   EXPECT_EQ(refusal(bytes), "unpacked, it is larger than 1 MiB");
 }
 
-TEST(TarFile, ItsLimitIsThatOfAllFiles) {
+TEST(TarFile, TheLimitAppliesToAllFilesTogether) {
   std::vector<TarEntry> many;
   for (int i = 0; i < 5; ++i) many.push_back({"file" + std::to_string(i), std::string(kPlenty / 4, 'x')});
   EXPECT_EQ(refusal(tar_gz(many, 0)), "unpacked, it is larger than 1 MiB");
@@ -140,7 +140,7 @@ TEST(TarFile, HolesAreNotFilled) {
   };
   const std::size_t large = std::size_t{750} << 20U;
   const std::string is_not_plain =
-      "it contains something that is not a plain file (`tar --format=ustar` packs only such)";
+      "it contains something that is not a plain file (`tar --format=ustar` packs only plain files)";
   for (const std::string& bytes : {sparse(piece(large, 0), 0, large), sparse("", 0, large),
                                    sparse(piece(0, 512) + piece(large, 0), 512, large),
                                    sparse(piece(1000, 512), 512, 1512), sparse(piece(0, 512), 512, 1000)}) {
@@ -174,7 +174,7 @@ TEST(TarFile, HeadersAreWhereLibarchiveFindsThem) {
   };
   EXPECT_EQ(with_size(std::string("00000000005\0", 12)), "none");
   EXPECT_EQ(with_size("          5 "), "none");
-  const std::string none = "it contains a file whose size is no octal number";
+  const std::string none = "it contains a file whose size is not an octal number";
   EXPECT_EQ(with_size("\x80" + std::string(10, '\0') + "\5"), none);
   EXPECT_EQ(with_size("-0000000005 "), none);
   EXPECT_EQ(with_size("5 0000000000"), none);

@@ -96,7 +96,7 @@ export function useKeeping() {
           })).clip;
         }
         if (clip.state !== 'failed') return clip.name;
-        error.value = `The clip could not be kept: ${clip.error || 'the service does not say why'}`;
+        error.value = `The clip could not be kept: ${clip.error || 'the service gave no reason'}`;
       } catch (reason) {
         error.value = messageOf(reason);
       } finally {

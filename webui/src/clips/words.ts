@@ -45,7 +45,7 @@ export const keepingText = (frames: number): string => (frames > 0 ? `Keeping…
 
 export function clipNowText({ state, name, frames, bytes: size, error }: ClipNow): string {
   if (state === 'writing') return `Keeping ${clipTitle(name)}: ${plural(frames, 'image')}, ${bytes(size)} so far`;
-  return state === 'failed' ? `The clip could not be kept: ${error || 'the service does not say why'}` : '';
+  return state === 'failed' ? `The clip could not be kept: ${error || 'the service gave no reason'}` : '';
 }
 
 /** The name that a clip was given: "Look back". */

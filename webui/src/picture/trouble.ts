@@ -43,7 +43,7 @@ export function pictureTrouble({ state, error, silentSeconds, age, isLinkSlow, g
   if (state === 'ended') return { icon: 'pause', title: 'Recording ended', notes: [last], bad: false };
   const isCameraSilent = gapAtService > STUCK_SECONDS;
   if (age === null) {
-    return isLinkSlow && !isCameraSilent ? { icon: 'link', title: 'Slow link', notes: ['The first image is on its way'], bad: false }
+    return isLinkSlow && !isCameraSilent ? { icon: 'link', title: 'Slow link', notes: ['Waiting for the first image'], bad: false }
       : { icon: 'camera', title: 'Waiting for an image', notes: [], bad: false };
   }
   // The service has newer images: this one is delayed on its way here.

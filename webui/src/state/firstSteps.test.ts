@@ -42,7 +42,7 @@ describe('the way to GO', () => {
     expect(firstSteps(ready({ alerts: [alert('margin_thin', 0)] }), admin).find(({ id }) => id === 'colours')).toMatchObject({ state: 'trouble' });
   });
 
-  it('takes no simulated camera for a real one', () => {
+  it('does not count a simulated camera as real', () => {
     const simulated = firstSteps(ready({ cameras: [camera()] }), admin);
     expect(states(simulated)).toMatchObject({ camera: 'todo', field: 'todo', colours: 'todo', calibration: 'todo', robots: 'todo', network: 'done', password: 'done' });
     expect(step(simulated, 'camera').text).toContain('A real camera is missing');

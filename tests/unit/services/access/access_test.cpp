@@ -90,7 +90,7 @@ TEST_F(AccessTest, SigningOutEndsTheSession) {
   EXPECT_EQ(access_.may(other), May::kChange);
 }
 
-TEST_F(AccessTest, SessionsEndWhenNobodyUsesThemAndInTheEnd) {
+TEST_F(AccessTest, SessionsEndWhenIdleAndAfterTheirMaximumAge) {
   passwords_.set(Role::kAdmin, "correct horse");
   const std::string idle = sign_in("correct horse"), used = sign_in("correct horse");
   for (int hours = 0; hours < 7 * 24; hours += 12) {
@@ -157,7 +157,7 @@ TEST_F(AccessTest, AnotherPasswordEndsTheSessionsOfThatRole) {
   EXPECT_EQ(access_.may(cookie(changed)), May::kChange) << "who changed it stays signed in";
 }
 
-TEST_F(AccessTest, APasswordIsSetByWhoKnowsTheAdmins) {
+TEST_F(AccessTest, SettingAPasswordNeedsTheAdmins) {
   const std::string first = access_.set_password(Role::kAdmin, "correct horse", "", "192.0.2.1");
   EXPECT_EQ(access_.may(cookie(first)), May::kChange);
   EXPECT_EQ(refused([&] { access_.set_password(Role::kAdmin, "another horse", "", "192.0.2.1"); }), 401);
@@ -191,7 +191,7 @@ TEST_F(AccessTest, WrongPasswordsCostTime) {
   }
 }
 
-TEST_F(AccessTest, ARightPasswordGivesTheTriesBack) {
+TEST_F(AccessTest, ACorrectPasswordResetsTheAttempts) {
   passwords_.set(Role::kAdmin, "correct horse");
   for (int i = 0; i < 10; ++i) {
     EXPECT_EQ(refused([&] { access_.sign_in("wrong horse", "192.0.2.1"); }), 401) << i;
@@ -200,7 +200,7 @@ TEST_F(AccessTest, ARightPasswordGivesTheTriesBack) {
   }
 }
 
-TEST_F(AccessTest, ManyAddressesTogetherHaveALimit) {
+TEST_F(AccessTest, AttemptsOfAllAddressesTogetherAreLimited) {
   passwords_.set(Role::kAdmin, "correct horse");
   int tried = 0;
   while (refused([&] { access_.sign_in("wrong horse", "192.0.2." + std::to_string(tried)); }) == 401) ++tried;
@@ -219,7 +219,7 @@ TEST_F(AccessTest, TheViewersPasswordDoesNotHelpToGuessTheAdmins) {
   EXPECT_LE(guesses, 9);
 }
 
-TEST_F(AccessTest, ARightViewersPasswordCostsNoTry) {
+TEST_F(AccessTest, ACorrectViewersPasswordCostsNoAttempt) {
   passwords_.set(Role::kAdmin, "correct horse");
   passwords_.set(Role::kViewer, "battery staple");
   for (int i = 0; i < 10; ++i) EXPECT_EQ(refused([&] { sign_in("battery staple"); }), 0) << i;
@@ -263,7 +263,7 @@ TEST_F(AccessTest, OthersInTheAdminsNetworkDoNotLockOutTheAdmin) {
   EXPECT_EQ(refused([&] { access_.sign_in("correct horse", "2001:db8::1"); }), 0);
 }
 
-TEST_F(AccessTest, RoomIsKeptForThisComputerAndForWhoGaveTheAdminsPasswordOfNow) {
+TEST_F(AccessTest, TrustsThisComputerAndTheAdminsAddresses) {
   const auto trusts = [&](const char* address) { return access_.is_trusted(address); };
   EXPECT_TRUE(trusts("127.0.0.1"));
   EXPECT_TRUE(trusts("127.1.2.3"));

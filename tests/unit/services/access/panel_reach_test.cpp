@@ -22,19 +22,19 @@ const std::vector<NetworkCard> kReachCards{card_of("lo", "127.0.0.1", true, true
                                            card_of("enp3s0", "192.168.1.10"), card_of("enp4s0", "10.0.0.5"),
                                            card_of("wlan0", "192.168.7.7", false)};
 
-TEST(PanelReach, OfAllCardsAreThoseThatAreUp) {
+TEST(PanelReach, OnAllCardsListsThoseThatAreUp) {
   for (const char* all : {"0.0.0.0", "::"}) {
     EXPECT_THAT(panel_reach(all, 8090, kReachCards).addresses,
                 ElementsAre("http://192.168.1.10:8090/", "http://10.0.0.5:8090/"));
   }
 }
 
-TEST(PanelReach, OfOneAddressIsThatAlone) {
+TEST(PanelReach, OnOneAddressListsOnlyThatOne) {
   EXPECT_THAT(panel_reach("10.0.0.5", 80, kReachCards).addresses, ElementsAre("http://10.0.0.5:80/"));
   EXPECT_THAT(panel_reach("2001:db8::1", 80, kReachCards).addresses, ElementsAre("http://[2001:db8::1]:80/"));
 }
 
-TEST(PanelReach, ThisComputerAloneIsNoAddress) {
+TEST(PanelReach, OnLoopbackListsNoAddress) {
   for (const char* own : {"127.0.0.1", "127.0.0.2", "::1"})
     EXPECT_THAT(panel_reach(own, 8090, kReachCards).addresses, IsEmpty());
   EXPECT_EQ(panel_reach("127.0.0.1", 8090, kReachCards).port, 8090);

@@ -32,7 +32,7 @@ TEST_F(KeptPasswords, AreRestoredWhereThereAreNone) {
   EXPECT_FALSE(passwords_.has(Role::kAdmin));
 }
 
-TEST_F(KeptPasswords, OneThatIsSetWhileABackupIsReadStays) {
+TEST_F(KeptPasswords, APasswordSetWhileABackupIsReadIsKept) {
   const auto restored = part_.prepare(backup_of("battery staple"));
   passwords_.set(Role::kAdmin, "correct horse");
   restored->save();
@@ -42,7 +42,7 @@ TEST_F(KeptPasswords, OneThatIsSetWhileABackupIsReadStays) {
   EXPECT_EQ(passwords_.role_of("correct horse"), Role::kAdmin);
 }
 
-TEST_F(KeptPasswords, OneThatIsSetWhileABackupIsSavedIsNotTakenBack) {
+TEST_F(KeptPasswords, APasswordSetWhileABackupIsSavedIsKept) {
   const auto restored = part_.prepare(backup_of("battery staple"));
   restored->save();
   passwords_.set(Role::kAdmin, "correct horse");

@@ -19,7 +19,7 @@ Json step(double time_s, const Json& before, const Json& after) {
   return {{"time", time_s}, {"changes", changes_between(before, after)}};
 }
 
-TEST(CalibrationAge, SeesAFieldThatWasChangedSince) {
+TEST(CalibrationAge, DetectsLaterFieldChanges) {
   const Json now = changed(kSettings, "/field/field_length", 12000);
   const Json steps = Json::array({step(20, kSettings, now)});
   EXPECT_TRUE(field_changed_since(10, now, steps));
@@ -27,7 +27,7 @@ TEST(CalibrationAge, SeesAFieldThatWasChangedSince) {
   EXPECT_FALSE(field_changed_since(10, now, Json::array()));
 }
 
-TEST(CalibrationAge, IsContentWithAFieldThatWasChangedBack) {
+TEST(CalibrationAge, AcceptsAFieldThatWasChangedBack) {
   const Json between = changed(kSettings, "/field/field_length", 12000);
   const Json steps{step(30, between, kSettings), step(20, kSettings, between)};
   EXPECT_FALSE(field_changed_since(10, kSettings, steps));
@@ -42,7 +42,7 @@ TEST(CalibrationAge, LooksOnlyAtWhatIsPainted) {
   EXPECT_FALSE(field_changed_since(10, other_stack, Json::array({step(20, kSettings, other_stack)})));
 }
 
-TEST(CalibrationAge, GoesBackAsFarAsTheStepsFit) {
+TEST(CalibrationAge, StopsAtAStepThatDoesNotApply) {
   const Json now = changed(kSettings, "/field/field_length", 12000);
   const Json misfit{{"time", 15}, {"changes", {{{"op", "remove"}, {"path", "/gone/x"}, {"before", 1}}}}};
   EXPECT_TRUE(field_changed_since(10, now, Json{step(20, kSettings, now), misfit}));

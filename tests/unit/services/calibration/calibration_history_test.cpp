@@ -67,7 +67,7 @@ TEST_F(CalibrationHistoryTest, KeepsTheLastTwenty) {
   EXPECT_EQ(history.of(0).back().calibration.focal_length, 624);
 }
 
-TEST_F(CalibrationHistoryTest, TheNewestInForceIsTheLastThatWasNotTakenBack) {
+TEST_F(CalibrationHistoryTest, TheCurrentOneIsTheNewestNotReverted) {
   CalibrationHistory::Records records;
   EXPECT_EQ(newest_in_force(records), nullptr);
   records = {record(601), record(602)};
@@ -87,7 +87,7 @@ TEST_F(CalibrationHistoryTest, AFileThatCannotBeUsedIsSetAside) {
   }
 }
 
-TEST_F(CalibrationHistoryTest, WhatCannotBeSavedChangesNothing) {
+TEST_F(CalibrationHistoryTest, AFailedSaveChangesNothing) {
   std::filesystem::remove(folder_ / "state");
   std::ofstream(folder_ / "state") << "no folder";
   CalibrationHistory history(state_);

@@ -56,7 +56,7 @@ class CalibrationJobsTest : public testing::Test {
   }
 };
 
-TEST_F(CalibrationJobsTest, NothingWasOrderedIsIdle) {
+TEST_F(CalibrationJobsTest, IsIdleBeforeTheFirstOrder) {
   EXPECT_EQ(jobs_.job(0).state, JobState::kIdle);
   EXPECT_FALSE(jobs_.cancel(0));
   EXPECT_FALSE(jobs_.forget(0, nullptr));
@@ -74,7 +74,7 @@ TEST_F(CalibrationJobsTest, TakesItsFramesAndReports) {
   EXPECT_EQ(jobs_.job(0).state, JobState::kIdle);
 }
 
-TEST_F(CalibrationJobsTest, OneAtATimeForEachCameraUntilItIsCancelled) {
+TEST_F(CalibrationJobsTest, ACameraHasOneJobAtATime) {
   ASSERT_TRUE(jobs_.start(0, order(request(1))));
   EXPECT_FALSE(jobs_.start(0, order(request(1))));
   EXPECT_FALSE(jobs_.forget(0, nullptr));
@@ -96,7 +96,7 @@ TEST_F(CalibrationJobsTest, FailsWhenTheCameraShowsSomethingElse) {
   invalidate(jobs_, {0});
   EXPECT_EQ(jobs_.job(0).state, JobState::kFailed);
   EXPECT_FALSE(jobs_.job(0).report);
-  EXPECT_THAT(jobs_.job(0).problem, HasSubstr("was changed since"));
+  EXPECT_THAT(jobs_.job(0).problem, HasSubstr("has changed since"));
 
   ASSERT_TRUE(jobs_.start(0, order(request(100))));
   invalidate(jobs_, {0});
@@ -121,7 +121,7 @@ TEST_F(CalibrationJobsTest, ACancelledOneLetsTheNextCameraHaveItsTurn) {
   EXPECT_EQ(jobs_.job(0).state, JobState::kCancelled);
 }
 
-TEST_F(CalibrationJobsTest, WhatTheEngineRefusesIsTheProblem) {
+TEST_F(CalibrationJobsTest, AnEnginesRefusalIsTheProblem) {
   ASSERT_TRUE(
       jobs_.start(0, order(R"({"frames": 1, "points": [{"x": 5, "y": 5, "name": "moon"}, {"x": 9, "y": 5},
                                        {"x": 9, "y": 9}, {"x": 5, "y": 9}]})")));
@@ -148,7 +148,7 @@ TEST_F(CalibrationJobsTest, PicturesThatCannotBeUsedAreNamed) {
     return jobs_.job(0).frames > 0;
   }));
   cameras_.deliver(0, FakeCameras::kWidth / 2);
-  EXPECT_THAT(wait_until(0, JobState::kFailed).problem, HasSubstr("have changed meanwhile"));
+  EXPECT_THAT(wait_until(0, JobState::kFailed).problem, HasSubstr("have changed in the meantime"));
 }
 
 TEST(CalibrationJobs, ACameraThatIsGoneFailsWithoutWaitingForIt) {
@@ -166,7 +166,7 @@ TEST(CalibrationJobs, ASilentCameraFailsEvenThoughItHasAnOldFrame) {
   CalibrationJobs jobs = make_calibration_jobs(cameras.wait_frame(), std::chrono::milliseconds(1));
   ASSERT_TRUE(jobs.start(0, order(request(1))));
   EXPECT_TRUE(test::becomes([&] { return jobs.job(0).state == JobState::kFailed; }));
-  EXPECT_THAT(jobs.job(0).problem, HasSubstr("no image came for 0.001 s"));
+  EXPECT_THAT(jobs.job(0).problem, HasSubstr("no image for 0.001 s"));
 }
 
 TEST(CalibrationJobs, EndWithoutWaitingForACamera) {

@@ -79,7 +79,7 @@ TEST_F(JointCalibrationJobsTest, FailsWhenOneOfItsCamerasShowsSomethingElse) {
   const auto expect_invalid = [&] {
     EXPECT_EQ(jobs_.job(kJointKey).state, JobState::kFailed);
     EXPECT_FALSE(jobs_.job(kJointKey).report);
-    EXPECT_THAT(jobs_.job(kJointKey).problem, HasSubstr("was changed since"));
+    EXPECT_THAT(jobs_.job(kJointKey).problem, HasSubstr("has changed since"));
   };
   ASSERT_TRUE(jobs_.start(kJointKey, order({{}, 1, 600})));
   invalidate(jobs_, {2, 3});
@@ -115,7 +115,7 @@ TEST(JointCalibrationJobs, ASilentCameraFails) {
   ASSERT_TRUE(jobs.start(kJointKey, order({{}, 1, 0})));
   EXPECT_TRUE(test::becomes([&] { return !is_running(jobs.job(kJointKey).state); }));
   EXPECT_EQ(jobs.job(kJointKey).state, JobState::kFailed);
-  EXPECT_THAT(jobs.job(kJointKey).problem, HasSubstr("camera 0: no image came for 0.001 s"));
+  EXPECT_THAT(jobs.job(kJointKey).problem, HasSubstr("camera 0: no image for 0.001 s"));
 }
 
 TEST(JointCalibrationJobs, EndWithoutWaitingForACamera) {

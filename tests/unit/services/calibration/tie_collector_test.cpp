@@ -16,7 +16,7 @@ Robot seen_by(std::size_t camera, double x_mm, double y_mm, int id = 3, Team tea
   return {team, id, x_mm, y_mm, 0, 140, 300 + x_mm / 10 - left_px, 200 + y_mm / 10, 1};
 }
 
-TEST(TieCollector, ARobotThatStandsIsOneTie) {
+TEST(TieCollector, AStandingRobotIsOneTie) {
   TieCollector collector(2);
   for (int i = 0; i < 10; ++i) {
     const double t_s = 100 + i * kPeriodS;
@@ -35,7 +35,7 @@ TEST(TieCollector, ARobotThatStandsIsOneTie) {
   EXPECT_NEAR(ties[0].sigma_px, 0.3, 1e-9);
 }
 
-TEST(TieCollector, ARobotThatMovesIsWhereItWasAtTheOthersMoment) {
+TEST(TieCollector, AMovingRobotIsInterpolatedToTheOtherCamerasTime) {
   TieCollector collector(2);
   constexpr double kSpeedMmS = 2000;
   for (int i = 0; i < 80; ++i) {
@@ -54,7 +54,7 @@ TEST(TieCollector, ARobotThatMovesIsWhereItWasAtTheOthersMoment) {
   }
 }
 
-TEST(TieCollector, WhatIsNotTheSameRobotIsNoTie) {
+TEST(TieCollector, DifferentRobotsAreNoTie) {
   TieCollector collector(2);
   for (int i = 0; i < 10; ++i) {
     const double t_s = 100 + i * kPeriodS;
@@ -66,7 +66,7 @@ TEST(TieCollector, WhatIsNotTheSameRobotIsNoTie) {
   EXPECT_THAT(collector.ties(), testing::IsEmpty());
 }
 
-TEST(TieCollector, PicturesTooFarApartSayNothing) {
+TEST(TieCollector, IgnoresImagesTooFarApartInTime) {
   TieCollector collector(2);
   for (int i = 0; i < 10; ++i) {
     const Robot in_a[] = {seen_by(0, 0, 0)}, in_b[] = {seen_by(1, 0, 0)};
@@ -76,7 +76,7 @@ TEST(TieCollector, PicturesTooFarApartSayNothing) {
   EXPECT_EQ(collector.count(), 0u);
 }
 
-TEST(TieCollector, AHeightThatChangesMeanwhileSaysNothing) {
+TEST(TieCollector, IgnoresRobotsOfDifferentHeights) {
   TieCollector collector(2);
   for (int i = 0; i < 4; ++i) {
     Robot in_a[] = {seen_by(0, 0, 0)}, in_b[] = {seen_by(1, 0, 0)};

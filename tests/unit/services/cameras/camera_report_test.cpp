@@ -12,7 +12,7 @@ CameraProgress camera(int id, CameraState state, std::int64_t still_s = 0, const
   return {id, {.state = state, .error = error, .progress_ns = kNow_ns - still_s * kSecond_ns}};
 }
 
-TEST(Hanging, IsACameraThatRunsAndDoesNotGoOn) {
+TEST(Hanging, IsARunningCameraWithoutProgress) {
   EXPECT_EQ(find_hanging({}, kNow_ns), "");
   EXPECT_EQ(find_hanging({camera(0, CameraState::kRunning, 4)}, kNow_ns), "");
   EXPECT_EQ(find_hanging({camera(0, CameraState::kRunning), camera(3, CameraState::kRunning, 7)}, kNow_ns),
@@ -30,12 +30,12 @@ TEST(Hanging, NamesTheStageThatTheThreadIsIn) {
   EXPECT_EQ(find_hanging({hung}, kNow_ns), "") << "it goes on";
 }
 
-TEST(Hanging, IsNoCameraThatIsKnownToBeOpenedOrToHaveEnded) {
+TEST(Hanging, ExcludesCamerasThatAreNotRunning) {
   for (const CameraState state : {CameraState::kOpening, CameraState::kLost, CameraState::kEnded})
     EXPECT_EQ(find_hanging({camera(0, state, 60)}, kNow_ns), "") << name_of(state);
 }
 
-TEST(Hanging, IsACameraWhoseThreadBeforeDoesNotEnd) {
+TEST(Hanging, IsACameraWhosePreviousThreadDoesNotEnd) {
   CameraProgress reopened = camera(2, CameraState::kOpening);
   reopened.stage = Hang{kNow_ns - 8 * kSecond_ns, "find_tags", ""};
   EXPECT_EQ(find_hanging({reopened}, kNow_ns), "camera 2 has hung for 8 s in the stage 'find_tags'");
@@ -58,7 +58,7 @@ TEST(Origin, OnlyARealCameraSeesTheField) {
   EXPECT_EQ(report.checks.at(0).text, "all are running, 1 simulated");
 }
 
-TEST(Missing, HasALineForEachThing) {
+TEST(Missing, HasALineForEachCamera) {
   EXPECT_EQ(find_missing({}), "");
   EXPECT_EQ(find_missing({camera(0, CameraState::kRunning)}), "");
   EXPECT_EQ(find_missing({camera(0, CameraState::kLost, 0, "unplugged"), camera(1, CameraState::kRunning),
@@ -68,7 +68,7 @@ TEST(Missing, HasALineForEachThing) {
             "camera 3 is ended\n");
 }
 
-TEST(CameraReport, OthersThanRealCamerasBesideOneAreNoGo) {
+TEST(CameraReport, MixingRealAndOtherCamerasIsNoGo) {
   const auto alerts_with = [](ImageOrigin first, ImageOrigin second) {
     std::vector<CameraFacts> cameras(2);
     cameras[0].origin = first;

@@ -33,14 +33,14 @@ class CameraSetups : public testing::Test {
   const CameraSetup setup_ = first(now_);
 };
 
-TEST_F(CameraSetups, HaveTheParametersThatWereReadWithTheSettings) {
+TEST_F(CameraSetups, ReuseTheParametersReadWithTheSettings) {
   ASSERT_EQ(setup_.parameters.size(), now_.cameras[0].stack.size());
   for (std::size_t i = 0; i < setup_.parameters.size(); ++i) {
     EXPECT_THAT(now_.cameras[0].stage_params, testing::Contains(setup_.parameters[i])) << "not read again";
   }
 }
 
-TEST_F(CameraSetups, AreLeftAloneByWhatDoesNotConcernThem) {
+TEST_F(CameraSetups, AreKeptForUnrelatedChanges) {
   EXPECT_FALSE(after(config_with({{"site", "elsewhere"}})));
   EXPECT_FALSE(after(config_with({{"network", {{"vision", {{"ttl", 3}}}}}})));
   EXPECT_FALSE(after(camera_with({{"name", "north"}})));
@@ -48,7 +48,7 @@ TEST_F(CameraSetups, AreLeftAloneByWhatDoesNotConcernThem) {
   EXPECT_FALSE(after(camera_with({{"follow_light", {{"enabled", true}}}})));
 }
 
-TEST_F(CameraSetups, AreMadeForWhatConcernsThem) {
+TEST_F(CameraSetups, AreMadeForRelatedChanges) {
   EXPECT_TRUE(after(config_with({{"field", {{"field_length", 4321}}}})));
   EXPECT_TRUE(after(config_with({{"teams", {{"blue", {{"robot_height", 150}}}}}})));
   EXPECT_TRUE(after(camera_with({{"stages", {{"detect_balls", {{"max_balls", 5}}}}}})));
@@ -59,7 +59,7 @@ TEST_F(CameraSetups, AreMadeForWhatConcernsThem) {
   EXPECT_NE(other_stack->setup.pipeline, setup_.pipeline);
 }
 
-TEST_F(CameraSetups, KeepPipelineAndColoursWhereTheyCan) {
+TEST_F(CameraSetups, KeepPipelineAndColoursIfPossible) {
   const auto next = after(config_with({{"field", {{"field_length", 4321}}}}));
   ASSERT_TRUE(next);
   EXPECT_EQ(next->setup.pipeline, setup_.pipeline);

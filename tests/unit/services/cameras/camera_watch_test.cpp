@@ -37,7 +37,7 @@ class CameraWatchTest : public testing::Test {
   CameraWatch watch_;
 };
 
-TEST_F(CameraWatchTest, ACameraThatTakesOverAnIdHasLostNoImageOfTheOneBefore) {
+TEST_F(CameraWatchTest, LossesOfAnIdsPreviousCameraAreNotCounted) {
   auto camera = start_camera();
   watch_.look({camera});
   totals_->capture.dropped += 50;

@@ -36,7 +36,7 @@ TEST(LossLog, SaysNothingWhileNothingIsLost) {
   EXPECT_THAT(lines.said, IsEmpty());
 }
 
-TEST(LossLog, SaysWhatWasLostThenOnceAMinuteThenThatItIsOver) {
+TEST(LossLog, LogsALossThenOnceAMinuteThenItsEnd) {
   Lines lines;
   lines.look(1, 10, 0);
   lines.look(11, 100, 2, 1);
@@ -57,7 +57,7 @@ TEST(LossLog, SaysWhatWasLostThenOnceAMinuteThenThatItIsOver) {
   EXPECT_THAT(lines.ends, ElementsAre(false, false, false, true));
 }
 
-TEST(LossLog, OneLostImageIsALineAndItsEndAndThenItBeginsAnew) {
+TEST(LossLog, ResetsAfterItsEnd) {
   Lines lines;
   lines.look(1, 1, 1);
   lines.look(2, 200, 0);
@@ -66,7 +66,7 @@ TEST(LossLog, OneLostImageIsALineAndItsEndAndThenItBeginsAnew) {
   lines.look(202, 210, 0);
   ASSERT_EQ(lines.said.size(), 3U);
   EXPECT_EQ(lines.said[2].second,
-            "1 of 600 images lost in the last 10 s: 0 were not processed in time, 1 came damaged");
+            "1 of 600 images lost in the last 10 s: 0 were not processed in time, 1 arrived damaged");
 }
 
 TEST(LossLog, NeverSaysMoreThanALineAMinute) {

@@ -63,7 +63,7 @@ class RecordedCameraTest : public testing::Test {
   std::uint32_t number_ = 0;
 };
 
-TEST_F(RecordedCameraTest, KeepsEveryFrameAndNowAndThenWhatStagesRemember) {
+TEST_F(RecordedCameraTest, KeepsEveryFrameAndRegularlyTheStagesMemory) {
   frame();
   keep({});
   for (int i = 0; i < 30; ++i) frame();
@@ -83,7 +83,7 @@ TEST_F(RecordedCameraTest, KeepsEveryNth) {
   EXPECT_THAT(numbers, testing::ElementsAre(0, 4, 8));
 }
 
-TEST_F(RecordedCameraTest, ANewPipelineBeginsWithWhatItRemembers) {
+TEST_F(RecordedCameraTest, ANewPipelineBeginsWithItsStagesMemory) {
   keep({});
   frame();
   setup_.pipeline = std::make_shared<Pipeline>(stage_table(), std::vector<std::string>{"segment"}, "/stack");

@@ -61,7 +61,7 @@ class RunningCameraTest : public testing::Test {
                         multicast_,      intake_.add(),     std::make_shared<CameraTotals>()};
 };
 
-TEST_F(RunningCameraTest, ALightTableOfTheTimeBetweenPlanAndApplyIsKept) {
+TEST_F(RunningCameraTest, ALightTableSetBetweenPlanAndApplyIsKept) {
   const auto accepted = context().accepted_lut;
   auto change = get_ready(config_with({{"field", {{"field_length", 4321}}}}));
   ASSERT_TRUE(change.setup);
@@ -183,7 +183,7 @@ struct HeldCamera final : Source {
   const std::shared_ptr<Hold> hold;
 };
 
-TEST_F(RunningCameraTest, ControlsThatAreSavedWhileItIsOpenedAreSetAllTheSame) {
+TEST_F(RunningCameraTest, ControlsSavedDuringOpeningAreSet) {
   const Config before = config_of_tile(Json::object()), after = config_of_tile({{"speed", 2.0}});
   const Json of = before.cameras[0].source.at("of");
   const auto hold = std::make_shared<HeldCamera::Hold>();
@@ -207,7 +207,7 @@ TEST_F(RunningCameraTest, ControlsThatAreSavedWhileItIsOpenedAreSetAllTheSame) {
   }));
 }
 
-TEST_F(RunningCameraTest, ControlsThatWerePlannedBeforeItWasOpenAreSetAllTheSame) {
+TEST_F(RunningCameraTest, ControlsPlannedBeforeOpeningAreSet) {
   const Config before = config_of_tile(Json::object()), after = config_of_tile({{"speed", 2.0}});
   RunningCamera camera(before.cameras[0], first_setup(before), std::make_shared<const Config>(before),
                        multicast_, intake_.add(), std::make_shared<CameraTotals>());
@@ -221,7 +221,7 @@ TEST_F(RunningCameraTest, ControlsThatWerePlannedBeforeItWasOpenAreSetAllTheSame
   EXPECT_EQ(camera.controls()->get("speed").value, 2);
 }
 
-TEST_F(RunningCameraTest, RobotHeightsAreThoseOfWhenItIsApplied) {
+TEST_F(RunningCameraTest, UsesTheRobotHeightsAtTheTimeOfApplying) {
   auto change = get_ready(config_with({{"field", {{"field_length", 4321}}}}));
   camera_.change_robot_heights({141, 142});
   camera_.apply(change, {143, 144});

@@ -55,7 +55,7 @@ TEST_F(ColorDeskTest, EditsAreSavedUndoneAndDoneAgain) {
   EXPECT_THAT(saved_, ElementsAre("painted pink", "painted blue", "undone: painted blue", "painted blue"));
 }
 
-TEST_F(ColorDeskTest, PrintsComeWithATableAndGoWhereALabelGrows) {
+TEST_F(ColorDeskTest, PrintsAreDroppedWhenTheirLabelGrows) {
   ColorTable learnt;
   learnt.labels[7] = label::kPink;
   learnt.prints[label::kPink] = PrintColor{{4500, 2000, 3500}, 900};
@@ -74,7 +74,7 @@ TEST_F(ColorDeskTest, PrintsComeWithATableAndGoWhereALabelGrows) {
   EXPECT_EQ(in_force_->prints(), Prints{}) << "of before it was learnt";
 }
 
-TEST_F(ColorDeskTest, TryingChangesNothing) {
+TEST_F(ColorDeskTest, APreviewChangesNothing) {
   const auto before = desk_.table();
   const auto revision = desk_.revision();
   const TableChange change = desk_.preview(std::vector{paint(label::kPink, 50)});
@@ -95,7 +95,7 @@ TEST_F(ColorDeskTest, CountsWhatClustersLeaveToASurface) {
   EXPECT_EQ(desk_.preview(std::vector<TableEdit>{edit, edit}).left_clear, 2 * change.left_clear);
 }
 
-TEST_F(ColorDeskTest, WhatCannotBeSavedIsNotDone) {
+TEST_F(ColorDeskTest, AFailedSaveChangesNothing) {
   do_edit(paint(label::kPink, 50), "painted pink");
   const auto before = desk_.table();
   disk_is_full_ = true;

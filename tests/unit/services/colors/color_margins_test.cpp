@@ -108,7 +108,7 @@ TEST_F(ColorMarginsTest, SeesCarpetWithoutRobots) {
   EXPECT_FALSE(reach_without({robot})(to_yuv(pink)));
 }
 
-TEST_F(ColorMarginsTest, CountsTheTableInForceAndAnEditedOneAtOnce) {
+TEST_F(ColorMarginsTest, CountsTheCurrentAndAnEditedTable) {
   ColorMargins margins(hooks(), kOnce);
   wait_until("surfaces", [&] { return margins.surfaces(7) != nullptr; });
   const auto surfaces = margins.surfaces(7);
@@ -130,7 +130,7 @@ TEST_F(ColorMarginsTest, CountsTheTableInForceAndAnEditedOneAtOnce) {
   EXPECT_GT(brighter(margins.margins(7, Lut(table)), label::kGreen), 1.3);
 }
 
-TEST_F(ColorMarginsTest, FollowsTheTableThatIsPutInForce) {
+TEST_F(ColorMarginsTest, FollowsTheCurrentTable) {
   ColorMargins margins(hooks(), kOnce);
   wait_until("surfaces", [&] { return margins.surfaces(7) != nullptr; });
   {
@@ -141,7 +141,7 @@ TEST_F(ColorMarginsTest, FollowsTheTableThatIsPutInForce) {
   EXPECT_EQ(frames_asked_, 1);
 }
 
-TEST_F(ColorMarginsTest, KeepsWhatItSawWhileItSaysTheSame) {
+TEST_F(ColorMarginsTest, KeepsItsSurfacesWhileTheSceneIsTheSame) {
   DrawnScene again(plain_options());
   again.expose_again();
   const ImageView steady = again.image().view();

@@ -83,7 +83,7 @@ class FollowLightTest : public ::testing::Test {
 
 constexpr std::chrono::milliseconds kBetweenLooks{1};
 
-TEST_F(FollowLightTest, PutsTablesInForceAndTakesThemBack) {
+TEST_F(FollowLightTest, AppliesAndRevertsTables) {
   FollowLight follow(hooks(), kBetweenLooks);
   wait_until("following", [&] { return follow.status(7).state.following == LightFollowing::kFollowing; });
   EXPECT_EQ(in_force(), nullptr) << "the accepted table needs no other";
@@ -120,7 +120,7 @@ TEST_F(FollowLightTest, SwitchedOffItGivesTheAcceptedTableBackAndLooksAtNothing)
   EXPECT_EQ(follow.status(7).state.following, LightFollowing::kOff);
 }
 
-TEST_F(FollowLightTest, AnotherAcceptedTableBeginsAnew) {
+TEST_F(FollowLightTest, AnotherAcceptedTableRestartsIt) {
   FollowLight follow(hooks(), kBetweenLooks);
   wait_until("following", [&] { return follow.status(7).state.following == LightFollowing::kFollowing; });
   dim_ = true;
@@ -137,10 +137,10 @@ TEST_F(FollowLightTest, AnotherAcceptedTableBeginsAnew) {
   EXPECT_EQ(in_force(), nullptr);
 }
 
-TEST_F(FollowLightTest, StandsStillWhileTheGameRunsAndOutlivesACameraThatGoes) {
+TEST_F(FollowLightTest, PausesDuringTheGameAndSurvivesCameraRemoval) {
   game_is_running_ = true;
   FollowLight follow(hooks(), kBetweenLooks);
-  wait_until("frozen", [&] { return follow.status(7).state.why == "the game runs"; });
+  wait_until("frozen", [&] { return follow.status(7).state.why == "the game is running"; });
   gone_ = true;
   wait_looks(5);
   gone_ = false;

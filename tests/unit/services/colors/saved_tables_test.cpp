@@ -75,7 +75,7 @@ TEST(SavedTables, ATableOfAnEarlierVersionIsFound) {
             table_with(label::kPink)->color_table());
 }
 
-TEST(SavedTables, RefuseWhatIsNoneOfThem) {
+TEST(SavedTables, RefuseUnknownOrDamagedTables) {
   const TemporaryFolder folder;
   StateFolder state(folder.path());
   std::ofstream(folder.path() / "secret.lut") << "secret";
@@ -111,7 +111,7 @@ TEST(SavedTables, TheOldestThatNobodyUsesGo) {
   EXPECT_THAT(refusal(tables, unused), HasSubstr("expected a table that this service has saved"));
 }
 
-TEST(SavedTables, WhatIsLostAtStartIsReportedAndMissedByNobody) {
+TEST(SavedTables, ReportATableThatIsMissingAtTheStart) {
   const TemporaryFolder folder;
   StateFolder state(folder.path());
   SavedTables tables(state);
@@ -122,7 +122,7 @@ TEST(SavedTables, WhatIsLostAtStartIsReportedAndMissedByNobody) {
   EXPECT_THROW(tables.load("0123456789abcdef", "", LabelSet::built_in()), SettingsError);
 }
 
-TEST(SavedTables, OfABackupAreUsedBeforeTheyAreSaved) {
+TEST(SavedTables, FromABackupAreUsableBeforeSaving) {
   const TemporaryFolder first_folder, folder;
   StateFolder first_state(first_folder.path()), state(folder.path());
   Running first(first_state), tables(state);
@@ -151,7 +151,7 @@ TEST(SavedTables, OfABackupAreUsedBeforeTheyAreSaved) {
   EXPECT_EQ(tables.files(config), files);
 }
 
-TEST(SavedTables, OfABackupMustBeWhatTheirNamesSay) {
+TEST(SavedTables, FromABackupMustMatchTheirNames) {
   const TemporaryFolder folder;
   StateFolder state(folder.path());
   Running tables(state);
@@ -162,7 +162,7 @@ TEST(SavedTables, OfABackupMustBeWhatTheirNamesSay) {
   EXPECT_TRUE(tables.has("tables/0123456789abcdef.lut"));
 }
 
-TEST(SavedTables, ADamagedOneIsInNoBackup) {
+TEST(SavedTables, ADamagedTableIsNotBackedUp) {
   const TemporaryFolder folder;
   StateFolder state(folder.path());
   Running tables(state);

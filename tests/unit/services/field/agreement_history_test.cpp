@@ -10,7 +10,7 @@ CameraPairNow apart(double off_mm) {
   return {.camera = 2, .other = 0, .off_mm = off_mm, .parts = 9, .worst_mm = {0, 0}};
 }
 
-TEST(AgreementHistory, TellsSinceWhenTwoDifferAndWhatItWasBefore) {
+TEST(AgreementHistory, RecordsWhenADifferenceBeganAndTheValueBefore) {
   AgreementHistory history;
   double t_s = 1e9;
   for (int i = 0; i < 300; ++i) history.add({apart(1.25)}, t_s += 1);
@@ -40,7 +40,7 @@ TEST(AgreementHistory, KeepsAValueForEachMinuteOfTwoHours) {
   EXPECT_TRUE(trends[0].at("since").is_null());
 }
 
-TEST(AgreementHistory, DoesNotSayWhatWasBeforeWhereNothingWas) {
+TEST(AgreementHistory, HasNoValueBeforeTheFirstSample) {
   AgreementHistory history;
   history.add({apart(7)}, 1e9);
   EXPECT_TRUE(history.of(0, 2)->since_s);
@@ -48,7 +48,7 @@ TEST(AgreementHistory, DoesNotSayWhatWasBeforeWhereNothingWas) {
   EXPECT_TRUE(history.to_json()[0].at("before_mm").is_null());
 }
 
-TEST(AgreementHistory, KnowsNothingOfTwoThatNobodyComparedForLong) {
+TEST(AgreementHistory, ForgetsPairsThatWereNotComparedForLong) {
   AgreementHistory history;
   history.add({apart(7)}, 1e9);
   for (int i = 1; i < 590; ++i) history.add({}, 1e9 + i);

@@ -55,7 +55,7 @@ TEST(FieldNow, IsWhatWasTracked) {
   EXPECT_EQ(read.kick->robot, tracked.kick->robot);
 }
 
-TEST(FieldNow, KeepsTheLastKicksInTheirOrderAndAsTheyAreKnownBest) {
+TEST(FieldNow, KeepsTheNewestEstimateOfTheLastKicks) {
   const auto now = std::make_unique<FieldNow>();
   TrackedField tracked;
   for (int number = 1; number <= 20; ++number) {
@@ -70,7 +70,7 @@ TEST(FieldNow, KeepsTheLastKicksInTheirOrderAndAsTheyAreKnownBest) {
   EXPECT_EQ(kicks.back().place_mm, Eigen::Vector2d(-1, -1));
 }
 
-TEST(FieldNow, AThousandRobotsAreNoMoreThanThereIsRoomFor) {
+TEST(FieldNow, TheNumberOfRobotsIsLimited) {
   const auto now = std::make_unique<FieldNow>();
   TrackedField tracked;
   tracked.robots.resize(1000);
@@ -80,7 +80,7 @@ TEST(FieldNow, AThousandRobotsAreNoMoreThanThereIsRoomFor) {
   EXPECT_EQ(tracked_of(*now).balls.size(), FieldNow::kMaxBalls);
 }
 
-TEST(CameraPairs, NameFirstTheCameraThatOthersDifferFromToo) {
+TEST(CameraPairs, NameTheOutlierFirst) {
   const auto agreement = std::make_unique<AgreementNow>();
   const auto add = [&](int camera, int other, float off_mm) {
     for (int i = 0; i < 4; ++i)

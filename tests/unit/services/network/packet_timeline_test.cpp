@@ -18,7 +18,7 @@ TEST(PacketTimeline, KeepsTheRateOfEachSecondForTenMinutes) {
   EXPECT_EQ(timeline.to_json(1000)["time_s"].size(), PacketTimeline::kSeconds);
 }
 
-TEST(PacketTimeline, KnowsNoRateWhereTheClockWasSet) {
+TEST(PacketTimeline, HasNoRateAcrossAClockChange) {
   PacketTimeline timeline;
   timeline.add(1000, 0);
   timeline.add(5000, 60);

@@ -110,7 +110,7 @@ TEST_F(ClipMakerTest, WritesWhatRingsHoldFromWhereStagesCanBegin) {
   EXPECT_THAT(frames_of(made), ElementsAre("0 1", "1 1", "0 2", "1 2", "0 3", "1 3"));
   EXPECT_EQ(told, 6U);
   const ClipReader clip(files_.path_of(made.file));
-  EXPECT_EQ(clip.about().kind, "goal") << "what it is for stands in the file";
+  EXPECT_EQ(clip.about().kind, "goal") << "the file states its purpose";
   ASSERT_THAT(clip.events(), SizeIs(1));
   EXPECT_EQ(clip.events()[0].time_s, 1007);
   EXPECT_EQ(clip.setup_count(), 2U);
@@ -119,7 +119,7 @@ TEST_F(ClipMakerTest, WritesWhatRingsHoldFromWhereStagesCanBegin) {
   EXPECT_NE(rings_[0]->oldest_held(), nullptr) << "another clip may have the same frames";
 }
 
-TEST_F(ClipMakerTest, WritesWhatACrashLeft) {
+TEST_F(ClipMakerTest, WritesTheFramesOfACrash) {
   const ClipProgress made = make(LastSeconds::crash_rings(left()).rings, order_of("crash"));
   EXPECT_EQ(made.problem, "");
   EXPECT_EQ(made.missing, 0U);
@@ -160,7 +160,7 @@ TEST_F(ClipMakerTest, AClipThatIsFullIsFinished) {
   EXPECT_THAT(frames_of(made), ElementsAre("0 1", "1 1", "0 2"));
 }
 
-TEST_F(ClipMakerTest, NothingIsLeftOfAClipWithoutFrames) {
+TEST_F(ClipMakerTest, AClipWithoutFramesIsDeleted) {
   ClipOrder order = order_of("kept");
   order.begin_s = order.end_s;
   const ClipProgress made = make(live(), order);

@@ -79,7 +79,7 @@ class ClipServiceTest : public ::testing::Test {
   Json state_;  // of clips, after the crash was reported
 };
 
-TEST_F(ClipServiceTest, AClipThatAPersonCalledSoIsNoneOfACrash) {
+TEST_F(ClipServiceTest, ARenamedClipIsNotACrashClip) {
   using std::chrono::minutes;
   write("2026-07-01_10-00_robot_crash.clip", "kept", minutes(50));
   write("2026-07-01_10-01_crash.clip", "kept", minutes(40));
@@ -101,7 +101,7 @@ TEST_F(ClipServiceTest, AClipThatAPersonCalledSoIsNoneOfACrash) {
     EXPECT_THAT(names(), Contains(name));
 }
 
-TEST_F(ClipServiceTest, ACrashClipThatCannotBeRemovedPreventsNoOther) {
+TEST_F(ClipServiceTest, AnUnremovableCrashClipDoesNotPreventANewOne) {
   for (const char* name : {"a.clip", "b.clip", "c.clip"}) {
     write(name, "crash", std::chrono::minutes(10));
     fs::create_directories(index_file_of(files_.path_of(name)) / "in the way");
@@ -109,7 +109,7 @@ TEST_F(ClipServiceTest, ACrashClipThatCannotBeRemovedPreventsNoOther) {
   EXPECT_THAT(told_after_crash(), ::testing::HasSubstr("_crash.clip shows what the cameras saw before"));
 }
 
-TEST_F(ClipServiceTest, OfACrashClipThatFailedNothingIsShown) {
+TEST_F(ClipServiceTest, AFailedCrashClipIsNotShown) {
   EXPECT_THAT(told_after_crash(0), ::testing::HasSubstr("there is no clip of it: no camera has images"));
   EXPECT_EQ(state_["clip"]["name"], "");
   EXPECT_EQ(state_["clip"]["frames"], 0);
@@ -119,7 +119,7 @@ TEST_F(ClipServiceTest, OfACrashClipThatFailedNothingIsShown) {
 TEST_F(ClipServiceTest, ASecondCrashWithinAMinuteMakesNoClip) {
   write("2026-07-01_10-00_any_name.clip", "crash", std::chrono::minutes(0));
   EXPECT_EQ(told_after_crash(),
-            "The service crashed and runs again; a clip of a crash was made less than a minute ago");
+            "The service crashed and was restarted; a clip of a crash was made less than a minute ago");
   EXPECT_THAT(names(), ElementsAre("2026-07-01_10-00_any_name.clip"));
 }
 

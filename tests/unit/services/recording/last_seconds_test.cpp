@@ -54,7 +54,7 @@ class LastSecondsTest : public testing::Test {
   double now_s_ = 100;
 };
 
-TEST_F(LastSecondsTest, MemoryIsSharedByWhatCamerasSend) {
+TEST_F(LastSecondsTest, MemoryIsSharedByDataRate) {
   for (int i = 0; i < 5; ++i) second(30, 10);
   EXPECT_THAT(memory_mb(), testing::ElementsAre(testing::DoubleNear(12, 0.1), testing::DoubleNear(4, 0.1)));
   for (int i = 0; i < 5; ++i) second(30, 0);
@@ -62,14 +62,14 @@ TEST_F(LastSecondsTest, MemoryIsSharedByWhatCamerasSend) {
       << "the last seconds of one that stopped tell why";
 }
 
-TEST_F(LastSecondsTest, ACameraWhosePaceIsNeverEvenHasMemoryToo) {
+TEST_F(LastSecondsTest, ACameraWithAnUnsteadyRateGetsMemory) {
   for (int i = 0; i < 5; ++i) second(i % 2 == 0 ? 5 : 20, 0);
   EXPECT_THAT(memory_mb(), testing::ElementsAre(0, 0)) << "it may only be starting";
   for (int i = 0; i < 4; ++i) second(i % 2 == 0 ? 5 : 20, 0);
   EXPECT_THAT(memory_mb(), testing::ElementsAre(testing::DoubleNear(16, 0.1), 0));
 }
 
-TEST_F(LastSecondsTest, ACameraWhoseImagesNoClipCanHoldTakesNoMemoryAndIsSaid) {
+TEST_F(LastSecondsTest, ImagesTooLargeForAClipAreReportedAndGetNoMemory) {
   image_of_0_.width = image_of_0_.height = 8192;  // the pixels are never read
   image_of_0_.stride_bytes = 8192;
   for (int i = 0; i < 5; ++i) second(30, 10);

@@ -39,7 +39,7 @@ class MatchLogRecorderTest : public ::testing::Test {
   MatchLogRecorder recorder_{[this](std::int32_t, const auto&) { return are_ours_.load(); }};
 };
 
-TEST_F(MatchLogRecorderTest, LeavesOutAndCountsWhatIsNotTheLeagues) {
+TEST_F(MatchLogRecorderTest, DropsAndCountsForeignMessages) {
   recorder_.begin(file_);
   for (std::uint64_t i = 1; i <= 100; ++i) {
     send(sender_, i % 2 == 0 ? std::string() : std::string(1400, 'x'));

@@ -41,7 +41,7 @@ TEST(MatchRule, NeedsBothNames) {
   EXPECT_EQ(rule.look(referee(kFirstHalf, false, "Immortals", "Unknown")), Wish::kNone);
 }
 
-TEST(MatchRule, AGameControllerThatFallsSilentEndsNoMatchAtOnce) {
+TEST(MatchRule, ASilentGameControllerEndsTheMatchOnlyLater) {
   MatchRule rule;
   ASSERT_EQ(rule.look(referee(kFirstHalf, false)), Wish::kRecord);
   RefereeStatus silent = referee(kFirstHalf, false);
@@ -51,7 +51,7 @@ TEST(MatchRule, AGameControllerThatFallsSilentEndsNoMatchAtOnce) {
   EXPECT_EQ(rule.look(silent), Wish::kNone);
 }
 
-TEST(MatchRule, AnotherNameIsAnotherMatch) {
+TEST(MatchRule, AnotherTeamNameStartsAnotherMatch) {
   MatchRule rule;
   ASSERT_EQ(rule.look(referee(kFirstHalf, false)), Wish::kRecord);
   EXPECT_EQ(rule.look(referee(kFirstHalf, true, "Another")), Wish::kNone) << "which begins when HALT is over";

@@ -100,7 +100,7 @@ TEST_F(RecordingFilesTest, ClipsGoBeforeMatchLogsAndOldOnesFirst) {
   EXPECT_THAT(names(), ElementsAre("2026-07-03_c.log.gz", "2026-07-02_b.log.gz"));
 }
 
-TEST_F(RecordingFilesTest, WhatIsPinnedAndTheNewestLogStay) {
+TEST_F(RecordingFilesTest, PinnedFilesAndTheNewestLogStay) {
   put("a.log.gz", 70, 9);
   files_.pin("a.log.gz", true);
   put("b.log.gz", 20, 8);
@@ -150,7 +150,7 @@ TEST_F(RecordingFilesTest, NothingGoesForALogThatStrangersFilled) {
   files_.pin("a.clip", false);
   files_.pin("a.log.gz", false);
   put("next.log.gz", 1, 0);
-  EXPECT_THAT(goes_for(RoomFor::kMatchLog), ElementsAre(name)) << "it goes before all others";
+  EXPECT_THAT(goes_for(RoomFor::kMatchLog), ElementsAre(name)) << "it is deleted first";
 }
 
 /// Strangers' packets count only up to the amount of ours. A fifth of the log is ours: 20 of its 50 MB count.
@@ -247,7 +247,7 @@ TEST_F(RecordingFilesTest, ARepairThatFailedIsTriedAgain) {
   EXPECT_FALSE(fs::exists(log.string() + ".unfinished"));
 }
 
-TEST_F(RecordingFilesTest, WhatStandsBesideALogGoesWithIt) {
+TEST_F(RecordingFilesTest, ALogsSideFilesAreDeletedWithIt) {
   const fs::path begun = files_.begin("match");
   write("a.log.gz");
   files_.pin("a.log.gz", true);
@@ -269,7 +269,7 @@ TEST_F(RecordingFilesTest, TwoOfOneMinuteHaveTwoNames) {
   EXPECT_THAT(second.filename().string(), HasSubstr("_match"));
 }
 
-TEST_F(RecordingFilesTest, WhatWasNotFinishedIsMadeWhole) {
+TEST_F(RecordingFilesTest, UnfinishedLogsAreRepaired) {
   const fs::path log = files_.begin("match");
   write(log.filename().string(), 10, false);
   files_.end(log, false);  // as if the service was killed
@@ -281,7 +281,7 @@ TEST_F(RecordingFilesTest, WhatWasNotFinishedIsMadeWhole) {
   EXPECT_EQ(file->index->messages.at(LoggedMessage::kVision2014), 10U);
 }
 
-TEST_F(RecordingFilesTest, WhatOthersPutThereIsReadAndStaysAsItIs) {
+TEST_F(RecordingFilesTest, ForeignFilesAreReadAndNotChanged) {
   write("theirs.log.gz", 10, false);
   fs::remove(index_file_of(files_.path_of("theirs.log.gz")));
   const auto size = fs::file_size(files_.path_of("theirs.log.gz"));
@@ -293,7 +293,7 @@ TEST_F(RecordingFilesTest, WhatOthersPutThereIsReadAndStaysAsItIs) {
   EXPECT_THAT(names(), UnorderedElementsAre("theirs.log.gz", "none.log"));
   EXPECT_EQ(fs::file_size(files_.path_of("theirs.log.gz")), size);
   EXPECT_THAT(files_.find("theirs.log.gz")->problem, HasSubstr("is cut off"));
-  EXPECT_THAT(files_.find("none.log")->problem, HasSubstr("is no log of the league"));
+  EXPECT_THAT(files_.find("none.log")->problem, HasSubstr("is not a log of the league"));
 }
 
 TEST_F(RecordingFilesTest, ALogThatIsReplacedIsReadAgain) {

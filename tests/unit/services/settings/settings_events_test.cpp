@@ -25,7 +25,7 @@ TEST(SettingsEvents, SayWhatWasDoneWhereAndByWhom) {
       {"profile Night", "profile_applied", "Profile Night applied: /site"},
       {"backup of Hall 2", "backup_restored", "Backup of Hall 2 restored: /site"},
       {"undo of revision 6", "settings_undone", "Undo of revision 6 of the settings: /site"},
-      {"reload of /etc/a.json", "settings_reloaded", "Settings file read again: /site"},
+      {"reload of /etc/a.json", "settings_reloaded", "Settings file reloaded: /site"},
       {"restored", "settings_changed", "Settings changed, restored: /site"},
   };
   for (const auto& row : rows) {

@@ -79,7 +79,7 @@ TEST_F(Transaction, AllPlanThenAllAreReadyThenAllApplyInOrder) {
   EXPECT_EQ(service_.current().settings["site"], "b");
 }
 
-TEST_F(Transaction, WhatOneRefusesTakesEffectNowhere) {
+TEST_F(Transaction, AChangeThatOneRefusesTakesNoEffect) {
   log_.clear();
   second_.refused = "b";
   EXPECT_THROW(service_.patch(site("b"), {}), SettingsError);
@@ -88,7 +88,7 @@ TEST_F(Transaction, WhatOneRefusesTakesEffectNowhere) {
   EXPECT_EQ(service_.current().revision, 1u);
 }
 
-TEST_F(Transaction, WhatCannotBeHadTakesEffectNowhere) {
+TEST_F(Transaction, AChangeThatCannotBePreparedTakesNoEffect) {
   second_.lacks = "b";
   log_.clear();
   EXPECT_THROW(service_.patch(site("b"), {}), SettingsError);
@@ -105,7 +105,7 @@ TEST_F(Transaction, ADryRunOnlyPlans) {
   EXPECT_EQ(service_.current().revision, 1u);
 }
 
-TEST_F(Transaction, WhatADeviceDoesNotTakeIsSaidAndSavedAllTheSame) {
+TEST_F(Transaction, ValuesRefusedByADeviceAreReportedAndSaved) {
   second_.not_taken = {"/cameras/0/source/controls/Gain: locked"};
   EXPECT_THAT(service_.patch(site("b"), {}).refused, ElementsAre("/cameras/0/source/controls/Gain: locked"));
   EXPECT_EQ(service_.current().settings["site"], "b");
@@ -140,7 +140,7 @@ TEST_F(Transaction, AFileThatBelongsToItIsSavedWithItOrNotAtAll) {
   EXPECT_EQ(service_.config().load()->site, "c");
 }
 
-TEST_F(Transaction, TheFolderIsLookedAtOnceASecondAndNotByWhoAsks) {
+TEST_F(Transaction, ReportsDoNotAccessTheFolder) {
   HealthReport before;
   service_.report(before);
   EXPECT_THAT(before.alerts, IsEmpty());

@@ -155,7 +155,7 @@ TEST_F(Alerts, AreNoneWhenAllIsWell) {
   EXPECT_THAT(kinds(), IsEmpty());
 }
 
-TEST_F(Alerts, NameWhatFloodsThePictureAndWhere) {
+TEST_F(Alerts, NameTheFloodingLabelAndItsPlace) {
   AnyCamera& camera = input_.cameras[1];
   camera.last_minute = {60, 3600, 0, 0, 120};
   EXPECT_EQ(only_alert().title, "Camera 1: too much to process, in 120 of 3600 images of the last minute");
@@ -195,7 +195,7 @@ std::vector<Alert> field_alerts() {
   return report.alerts;
 }
 
-TEST(FieldAlerts, WhatAStageLeftOutAtNoTimeIsOver) {
+TEST(FieldAlerts, InvalidOutputWithAnInvalidTimeRaisesNoAlert) {
   FieldFacts facts;
   facts.config = std::make_shared<Config>();
   facts.now_s = 1000;
@@ -269,7 +269,7 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   for (Alert& alert : alerts()) all.push_back(std::move(alert));
   for (Alert& alert : field_alerts()) all.push_back(std::move(alert));
   HealthReport left_out;
-  report_left_out(std::vector<LeftOutLibrary>{{"/stages/x.so", "is no shared object"}}, left_out);
+  report_left_out(std::vector<LeftOutLibrary>{{"/stages/x.so", "is not a shared object"}}, left_out);
   RecordingFacts recording;
   recording.refused = 100;
   report_recording(recording, left_out);
@@ -287,7 +287,7 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   LastSecondsFacts last_seconds;
   last_seconds.problem = "there is little memory";
   last_seconds.clip_problem = "the disk is full";
-  last_seconds.crash = "The service crashed and runs again";
+  last_seconds.crash = "The service crashed and was restarted";
   report_last_seconds(last_seconds, left_out);
   for (Alert& alert : left_out.alerts) all.push_back(std::move(alert));
   std::set<std::string> found;
@@ -331,7 +331,7 @@ TEST_F(Alerts, CountControlsThatAreNotSavedAndDoNotStopAMatch) {
   EXPECT_EQ(alerts().at(0).title, "Camera 1: 3 controls are set and not saved");
 }
 
-TEST_F(Alerts, APartThatOnlyALostCameraLooksAtIsThatCamerasAffair) {
+TEST_F(Alerts, APartSeenOnlyByALostCameraIsNotUncovered) {
   input_.coverage = {true, 10, {{0, 0}, {1, 1}}, {}, {}};
   for (const Alert& alert : alerts()) EXPECT_NE(alert.id, "field_uncovered");
   input_.coverage.out_of_reach_mm = {{0, 0}};
@@ -369,7 +369,7 @@ TEST_F(Alerts, OfLostPicturesBeginAtOneInAThousand) {
   EXPECT_EQ(only_alert().page, "#/colours/0");
 }
 
-TEST_F(Alerts, OfExposureBeginAboveWhatPaintedLinesAre) {
+TEST_F(Alerts, OfExposureBeginAboveTheShareOfPaintedLines) {
   input_.cameras[1].exposure = Exposure{0.02, 0, 90};
   EXPECT_THAT(kinds(), IsEmpty());
   input_.cameras[1].exposure->clipped_share = 0.021;
@@ -414,12 +414,12 @@ TEST_F(Alerts, NameTheSlowestStageWhereTheStagesTakeTooLong) {
   camera.stages = {{.name = "segment", .mean_ms = 1, .max_ms = 2},
                    {.name = "x", .mean_ms = 40.6, .max_ms = 50}};
   EXPECT_EQ(only_alert().id, "stage_slow");
-  EXPECT_EQ(only_alert().title, "Camera 0: the stage 'x' takes 41 ms an image; images come every 17 ms");
+  EXPECT_EQ(only_alert().title, "Camera 0: the stage 'x' takes 41 ms an image; images arrive every 17 ms");
   EXPECT_EQ(only_alert().severity, Severity::kBad);
   EXPECT_EQ(only_alert().camera, 0);
   camera.last_minute.dropped = 360;
   EXPECT_THAT(kinds(), ElementsAre("frames_dropped", "stage_slow"));
-  EXPECT_EQ(alerts()[0].fix, "The stage 'x' takes 41 ms an image; images come every 17 ms.");
+  EXPECT_EQ(alerts()[0].fix, "The stage 'x' takes 41 ms an image; images arrive every 17 ms.");
   camera.last_minute.dropped = 0;
 
   // Some drivers do not count images that are not fetched.
@@ -435,13 +435,14 @@ TEST_F(Alerts, NameTheSlowestStageWhereTheStagesTakeTooLong) {
   camera.last_seconds = {10, 500, 100, 0, 0};
   camera.stages = {{.name = "one", .mean_ms = 8, .max_ms = 9},
                    {.name = "other", .mean_ms = 12, .max_ms = 13}};
-  EXPECT_EQ(only_alert().title,
-            "Camera 0: the stage 'other' takes 12 ms an image, all stages together 20 ms; images come every "
-            "17 ms");
+  EXPECT_EQ(
+      only_alert().title,
+      "Camera 0: the stage 'other' takes 12 ms an image, all stages together 20 ms; images arrive every "
+      "17 ms");
   // This stage is slow for single images only.
   camera.stages = {{.name = "one", .library = "lib.so", .mean_ms = 3, .max_ms = 300}};
   EXPECT_EQ(only_alert().title,
-            "Camera 0: the stage 'one' (lib.so) took up to 300 ms for an image; images come every 17 ms");
+            "Camera 0: the stage 'one' (lib.so) took up to 300 ms for an image; images arrive every 17 ms");
   EXPECT_EQ(only_alert().severity, Severity::kWarn);
   // Without lost images there is no alert. If images are lost although the stages are fast, the computer is
   // busy and no stage is to blame.
@@ -459,12 +460,12 @@ TEST_F(Alerts, NameTheStageThatMakesLatePackets) {
   EXPECT_THAT(check("latency").text, HasSubstr(": the stage 'x' takes 4.0 ms"));
 }
 
-TEST_F(Alerts, OfWhatMakesNoSenseSayHowMuchAndWhoMadeIt) {
+TEST_F(Alerts, OfInvalidOutputNameItsStageAndCounts) {
   input_.cameras[1].stages = {{.name = "x", .library = "lib.so", .left_out = {1, 2, 3}}};
   EXPECT_EQ(
       only_alert().title,
-      "Camera 1: the stage 'x' (lib.so) made 1 robot, 2 balls, 3 times or kicks without sense in the last "
-      "10 s; they were left out");
+      "Camera 1: the stage 'x' (lib.so) gave invalid results: 1 robot, 2 balls, 3 times or kicks dropped in "
+      "the last 10 s");
 }
 
 TEST_F(Alerts, OfTheClockOnlyWhereAnotherVisionsTimesAreComparedWithIt) {
@@ -496,7 +497,7 @@ TEST_F(Alerts, SayWhichComputerIsHeardAndNotNamed) {
             "If it is a computer of this field, add 10.0.0.3 to field/other_computers; otherwise stop it.");
 }
 
-TEST_F(Alerts, SayWhetherPacketsLeaveOneOfTwoWays) {
+TEST_F(Alerts, SayWhetherPacketsStillLeaveOneWay) {
   input_.network.error = "no subnet of this computer has the broadcast address 10.0.0.255";
   EXPECT_EQ(only_alert().title, "No packets are sent");
   input_.network.some_leave = true;
@@ -625,7 +626,7 @@ TEST_F(Checks, RobotsThatWaitBehindTheirGoalDoNotCount) {
   EXPECT_THAT(kinds(), IsEmpty()) << "both are seen";
 }
 
-TEST_F(Checks, InAMatchATeamThatNobodySeesIsNoPass) {
+TEST_F(Checks, DuringAMatchAnUnseenTeamIsNoPass) {
   input_.match_runs = true;
   input_.seen.field.team_gone_s[1] = 2.5;
   EXPECT_THAT(kinds(), IsEmpty()) << "a moment";
@@ -708,11 +709,11 @@ TEST_F(Checks, LinesThatSuitTheOtherDivisionAreNoGo) {
   input_.seen.lines[1].better_size = &field_presets().front();
   EXPECT_EQ(only_alert().id, "field_size");
   EXPECT_EQ(only_alert().title,
-            "Camera 1: the painted lines suit Division A, 2026 (12 x 9 m), not the field's sizes (9 x 6 m)");
+            "Camera 1: the painted lines match Division A, 2026 (12 x 9 m), not the field's sizes (9 x 6 m)");
   EXPECT_FALSE(is_go());
 }
 
-TEST_F(Checks, OfLatencyWaitForImagesOfWhichOneIsNoPercentile) {
+TEST_F(Checks, OfLatencyWaitForEnoughImages) {
   for (AnyCamera& camera : input_.cameras) camera.latency_p99_ms = 20;
   EXPECT_EQ(check("latency").state, CheckState::kFail);
   for (AnyCamera& camera : input_.cameras) camera.latency_images = 99;
@@ -748,7 +749,7 @@ TEST_F(Checks, AnAlertThatOnlyInformsPasses) {
   EXPECT_EQ(check("other_visions").text, "with other cameras");
 }
 
-TEST_F(Checks, WarnOfWhatMattersBeforeAMatchAlone) {
+TEST_F(Checks, WarnWithoutAnAlertBeforeAMatch) {
   input_.referee.silent_s.reset();
   input_.cameras[0].latency_p99_ms = 5.1;
   input_.clock.reset();

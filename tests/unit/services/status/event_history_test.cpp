@@ -47,7 +47,7 @@ TEST(EventHistory, TellsWhenAnAlertCameAndHowLongItWasThere) {
   EXPECT_EQ(entry["ended_by"], "");
 }
 
-TEST(EventHistory, AShortBreakIsNone) {
+TEST(EventHistory, AShortGapDoesNotEndAnAlert) {
   EventHistory history;
   look(history, {lost(0)}, 1, 10);
   look(history, {}, 11, 14);
@@ -58,7 +58,7 @@ TEST(EventHistory, AShortBreakIsNone) {
   EXPECT_EQ(entries[0]["seconds"], 19);
 }
 
-TEST(EventHistory, WhatComesBackSoonIsCountedAndWhatComesBackLateIsAnother) {
+TEST(EventHistory, EarlyRepeatsAreCountedAndLateOnesAreNewEntries) {
   EventHistory history;
   look(history, {lost(0)}, 1, 10);
   look(history, {}, 11, 40);
@@ -93,7 +93,7 @@ TEST(EventHistory, KeepsTheWorst) {
   EXPECT_EQ(entry["seconds"], 3);
 }
 
-TEST(EventHistory, OnlyWhatComesOrEndsIsAChange) {
+TEST(EventHistory, OnlyBeginningAndEndingAreChanges) {
   EventHistory history;
   history.look({lost(0)}, at(1));
   const auto before = history.changes();
@@ -104,7 +104,7 @@ TEST(EventHistory, OnlyWhatComesOrEndsIsAChange) {
   EXPECT_GT(history.changes(), before);
 }
 
-TEST(EventHistory, SettingTheClockChangesNoDurationAndIsTold) {
+TEST(EventHistory, SettingTheClockIsReportedAndKeepsDurations) {
   for (const double set_by_s : {3600.0, -3600.0}) {
     EventHistory history;
     look(history, {lost(0)}, 1, 10);
@@ -156,7 +156,7 @@ TEST(EventHistory, ForgetsAfterADayButNotWhatIsStillThere) {
   EXPECT_EQ(entries[0]["camera"], 1);
 }
 
-TEST(EventHistory, HoldsSoManyAndDropsTheOldestThatEnded) {
+TEST(EventHistory, DropsTheOldestEndedEntriesWhenFull) {
   EventHistory history;
   history.look({lost(7)}, at(0));
   for (int i = 0; i < 2000; ++i) history.add({"settings_changed", std::to_string(i)}, at(0.001 * i));
@@ -186,7 +186,7 @@ TEST(EventHistory, TextIsPlainAndShort) {
   EXPECT_TRUE(entries[0]["title"].get<std::string>().starts_with("\\u001b"));
 }
 
-TEST(EventHistory, WhatWasThereWhenTheServiceDiedEndedWithIt) {
+TEST(EventHistory, OpenAlertsEndWhenTheServiceDies) {
   EventHistory before;
   look(before, {lost(0)}, 1, 60);
   before.add({"settings_changed", "Settings changed: /site", "10.0.0.7"}, at(60));
@@ -209,7 +209,7 @@ TEST(EventHistory, WhatWasThereWhenTheServiceDiedEndedWithIt) {
   EXPECT_EQ(entries[2]["seconds"], 59);
 }
 
-TEST(EventHistory, AServiceThatDiesAgainAndAgainMakesOneEntryOfIt) {
+TEST(EventHistory, RepeatedCrashesShareOneEntry) {
   const Event started{"service_started", "The service started"}, restarted{"service_restarted", "again"},
       stopped{"service_stopped", "The service stopped"};
   Json saved = Json::array();
@@ -230,7 +230,7 @@ TEST(EventHistory, AServiceThatDiesAgainAndAgainMakesOneEntryOfIt) {
   EXPECT_EQ(saved.size(), 2U + 1 + 4) << "starts after stops are told one by one";
 }
 
-TEST(EventHistory, AStopEndsWhatIsThere) {
+TEST(EventHistory, OpenAlertsEndWhenTheServiceStops) {
   EventHistory history;
   look(history, {lost(0)}, 1, 9);
   EXPECT_TRUE(history.any_open());
@@ -252,7 +252,7 @@ TEST(EventHistory, EarlierRunsAreForgottenAfterADayTooAndKeepTheirTimesWhenTheCl
   EXPECT_EQ(history.entries_json()[1]["begin"], kUnix_s + 1000);
 }
 
-TEST(EventHistory, WhatIsNoEntryIsLeftOut) {
+TEST(EventHistory, DropsInvalidEntries) {
   EventHistory before;
   before.add({"settings_changed", "good"}, at(0));
   Json saved = before.to_saved();

@@ -95,7 +95,7 @@ TEST_F(HistoryKeeperFiles, ADamagedFileIsOneLineAndAnEmptyHistory) {
   }
 }
 
-TEST_F(HistoryKeeperFiles, AFolderInItsPlaceIsNoReasonNotToStart) {
+TEST_F(HistoryKeeperFiles, StartsDespiteAFolderInItsPlace) {
   std::filesystem::create_directory(file());
   const auto seen = newest_line();
   HistoryKeeper keeper(folder_.path());

@@ -41,7 +41,7 @@ TEST_F(SightingsTest, CountsARobotOnceWhichTwoCamerasSee) {
   EXPECT_THAT(now().doubles, IsEmpty());
 }
 
-TEST_F(SightingsTest, MissesForAMinuteWhatWasSteady) {
+TEST_F(SightingsTest, ASteadyRobotIsMissedForAMinute) {
   look_for(6, {robot(Team::kYellow, 3, 70, -20)}, {});
   look_for(2, {}, {});
   ASSERT_EQ(now().lost.size(), 1U);
@@ -83,7 +83,7 @@ std::vector<Robot> team_of(Team team, std::initializer_list<int> ids) {
   return robots;
 }
 
-TEST_F(SightingsTest, CountsThoseThatWentAtOnce) {
+TEST_F(SightingsTest, CountsRobotsThatVanishedTogether) {
   look_for(6, team_of(Team::kYellow, {1, 2, 3, 4, 5}), {});
   look_for(10, team_of(Team::kYellow, {2, 3, 4, 5}), {});  // they disappear one by one, 10 s apart
   look_for(10, team_of(Team::kYellow, {3, 4, 5}), {});
@@ -95,7 +95,7 @@ TEST_F(SightingsTest, CountsThoseThatWentAtOnce) {
   for (const LostRobot& lost : now().lost) EXPECT_EQ(lost.at_once, lost.id >= 4 ? 2U : 1U) << lost.id;
 }
 
-TEST_F(SightingsTest, InAMatchMissesManyUntilAsManyAreBack) {
+TEST_F(SightingsTest, DuringAMatchManyAreMissedUntilAsManyReturn) {
   const double match_since_s = t_s_;
   const auto missed = [&] { return sightings_.now(t_s_, match_since_s).lost.size(); };
   look_for(6, team_of(Team::kYellow, {1, 2, 3, 4}), team_of(Team::kBlue, {7}));
@@ -111,7 +111,7 @@ TEST_F(SightingsTest, InAMatchMissesManyUntilAsManyAreBack) {
   EXPECT_EQ(missed(), 0U);
 }
 
-TEST_F(SightingsTest, InAMatchThoseThatComeBackStandForThemselves) {
+TEST_F(SightingsTest, DuringAMatchReturningRobotsCountOnlyForThemselves) {
   const double match_since_s = t_s_;
   const auto missed = [&] { return sightings_.now(t_s_, match_since_s).lost.size(); };
   look_for(6, team_of(Team::kYellow, {1, 2, 3, 4, 5, 6}), {});
@@ -123,7 +123,7 @@ TEST_F(SightingsTest, InAMatchThoseThatComeBackStandForThemselves) {
   EXPECT_EQ(missed(), 0U) << "two may be at their team";
 }
 
-TEST_F(SightingsTest, InAMatchAGlimpseIsNoReturn) {
+TEST_F(SightingsTest, DuringAMatchAGlimpseIsNoReturn) {
   const double match_since_s = t_s_;
   const auto missed = [&] { return sightings_.now(t_s_, match_since_s).lost.size(); };
   look_for(6, team_of(Team::kYellow, {1, 2, 3, 4, 5, 6}), {});
@@ -137,7 +137,7 @@ TEST_F(SightingsTest, InAMatchAGlimpseIsNoReturn) {
   EXPECT_EQ(missed(), 6U);
 }
 
-TEST_F(SightingsTest, InAMatchNobodyMissesForLongWhatPeopleTookOff) {
+TEST_F(SightingsTest, DuringAMatchRemovedRobotsAreSoonNotExpected) {
   const double match_since_s = t_s_;
   const auto lost = [&] { return sightings_.now(t_s_, match_since_s).lost; };
   look_for(6, team_of(Team::kYellow, {1, 2, 3, 4}), {});
@@ -150,7 +150,7 @@ TEST_F(SightingsTest, InAMatchNobodyMissesForLongWhatPeopleTookOff) {
   EXPECT_THAT(lost(), IsEmpty());
 }
 
-TEST_F(SightingsTest, AHaltDoesNotBringBackWhatWasLostInPlay) {
+TEST_F(SightingsTest, RobotsLostInPlayAreMissedThroughAHalt) {
   const double match_since_s = t_s_;
   look_for(6, team_of(Team::kYellow, {1, 2, 3, 4}), {});
   look_for(10, {}, {});
@@ -168,7 +168,7 @@ TEST_F(SightingsTest, KnowsForHowLongATeamIsGone) {
   EXPECT_NEAR(now().team_gone_s[0].value_or(0), 4, 0.2);
 }
 
-TEST_F(SightingsTest, InAMatchOneThatWentIsMissedForAMinute) {
+TEST_F(SightingsTest, DuringAMatchASingleLostRobotIsMissedForAMinute) {
   const double match_since_s = t_s_;
   look_for(6, team_of(Team::kYellow, {1, 2, 3, 4}), {});
   look_for(50, team_of(Team::kYellow, {3, 4}), {});
@@ -177,7 +177,7 @@ TEST_F(SightingsTest, InAMatchOneThatWentIsMissedForAMinute) {
   EXPECT_THAT(sightings_.now(t_s_, match_since_s).lost, IsEmpty());
 }
 
-TEST_F(SightingsTest, DoesNotMissWhatWasSeenForAMomentOnly) {
+TEST_F(SightingsTest, DoesNotMissRobotsSeenOnlyBriefly) {
   look_for(2, {robot(Team::kBlue, 7, 0, 0)}, {});
   look_for(3, {}, {});
   EXPECT_THAT(now().lost, IsEmpty());
@@ -222,7 +222,7 @@ TEST_F(SightingsTest, ASingleWrongIdIsNoSecondRobot) {
   EXPECT_THAT(now().doubles, IsEmpty());
 }
 
-TEST_F(SightingsTest, MissesForAMinuteABallThatWasSteady) {
+TEST_F(SightingsTest, ASteadyBallIsMissedForAMinute) {
   const std::vector<Ball> balls(1);
   const auto look_for_ball = [&](double duration_s, std::span<const Ball> seen) {
     for (const double end_s = t_s_ + duration_s; t_s_ < end_s; t_s_ += kPeriod_s)
@@ -247,7 +247,7 @@ TEST_F(SightingsTest, SaysHowFarApartCamerasSeeTheSameRobots) {
   EXPECT_NEAR(now().overlaps[0].apart_mm, 42, 3);
 }
 
-TEST_F(SightingsTest, ARobotThatDrivesIsNotApart) {
+TEST_F(SightingsTest, ADrivingRobotIsAtTheSamePlaceInBothCameras) {
   constexpr double kSpeedMm_s = 1400;
   for (int i = 0; i < 50; ++i, t_s_ += kPeriod_s) {
     const double x_mm = kSpeedMm_s * t_s_;
@@ -260,7 +260,7 @@ TEST_F(SightingsTest, ARobotThatDrivesIsNotApart) {
   EXPECT_LT(now().overlaps[0].apart_mm, 3);
 }
 
-TEST_F(SightingsTest, ForgetsWhatAnotherViewWillShow) {
+TEST_F(SightingsTest, ForgetsOneCamerasSightings) {
   look_for(6, {robot(Team::kYellow, 5, 0, 0)}, {robot(Team::kYellow, 5, 100, 0)});
   sightings_.forget(1);
   EXPECT_THAT(now().overlaps, IsEmpty());

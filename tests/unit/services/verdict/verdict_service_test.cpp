@@ -80,7 +80,7 @@ HealthReport report_of(const VerdictService& service) {
   return report;
 }
 
-TEST(VerdictService, AMaskThatHidesAllIsFoundWhenImagesBecomeSmaller) {
+TEST(VerdictService, AMaskThatHidesSmallerImagesIsReported) {
   const Snapshot<Config> config{Config{}};
   const RefereeListener referee([] {});
   MaskSettings right_side;

@@ -35,7 +35,7 @@ const PRINT_BYTES = 9;
 export function decodeTable(buffer: ArrayBuffer): Table {
   const bytes = new Uint8Array(buffer);
   const magic = new TextDecoder('latin1').decode(bytes.subarray(0, MAGIC.length));
-  if (magic !== MAGIC && magic !== MAGIC_WITH_PRINTS) throw new Error('this is no .lut file of version 2 or 3');
+  if (magic !== MAGIC && magic !== MAGIC_WITH_PRINTS) throw new Error('this is not a .lut file of version 2 or 3');
   const bits = bytes[8] ?? 0;
   if (bits < 5 || bits > 8) throw new Error(`a table of ${bits} bits`);
   let at = 10;

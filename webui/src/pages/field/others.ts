@@ -19,7 +19,7 @@ export function findings(other: OtherVision, ours: number[]): Finding[] {
   if (shared.length) {
     out.push({
       kind: 'bad', text: `Sends ${shared.length > 1 ? 'cameras' : 'camera'} ${list(shared)}, as this service does.`,
-      fix: 'Teams confuse what the two see. Give each its own id, or stop one of the vision services.',
+      fix: 'Teams mix up the detections of both. Give each camera its own id, or stop one of the vision services.',
     });
   }
   if (other.field_conflicts.length) {

@@ -23,7 +23,7 @@ describe('changes', () => {
   });
   it('are read from files', () => {
     expect(readTree('a.json', '{"site": "B"}')).toEqual({ settings: { site: 'B' } });
-    expect(readTree('a.json', '[1]')).toEqual({ error: 'a.json holds no settings: expected an object { … }' });
+    expect(readTree('a.json', '[1]')).toEqual({ error: 'a.json contains no settings: expected an object { … }' });
     expect(readTree('a.json', '{"site":')).toMatchObject({ error: expect.stringMatching(/^a\.json is not valid JSON: /) });
   });
 });

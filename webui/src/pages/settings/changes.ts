@@ -50,6 +50,6 @@ export function readTree(name: string, text: string): { settings: Json } | { err
   } catch (error) {
     return { error: `${name} is not valid JSON: ${error instanceof Error ? error.message : String(error)}` };
   }
-  if (typeof parsed !== 'object' || parsed === null || Array.isArray(parsed)) return { error: `${name} holds no settings: expected an object { … }` };
+  if (typeof parsed !== 'object' || parsed === null || Array.isArray(parsed)) return { error: `${name} contains no settings: expected an object { … }` };
   return { settings: parsed as Json };
 }

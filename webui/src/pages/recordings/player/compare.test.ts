@@ -12,8 +12,8 @@ const difference = (changes: Partial<Difference> = {}): Difference => ({ place: 
 
 describe('a comparison in words', () => {
   it('says what differs', () => {
-    expect(resultText(result())).toBe('In 31 of 742 frames something differs: 3 found, 40 lost, 12 moved by up to 4.1 mm.');
-    expect(resultText(result({ found: 0, moved: 0, id_changed: 2 }))).toBe('In 31 of 742 frames something differs: 40 lost, 2 with a changed number.');
+    expect(resultText(result())).toBe('31 of 742 frames differ: 3 found, 40 lost, 12 moved by up to 4.1 mm.');
+    expect(resultText(result({ found: 0, moved: 0, id_changed: 2 }))).toBe('31 of 742 frames differ: 40 lost, 2 with a changed number.');
   });
   it('says that nothing does', () => {
     expect(resultText(result({ frames_that_differ: 0 }))).toBe('Nothing differs in 742 frames.');

@@ -17,7 +17,7 @@ export const kinds = [
   { kind: 'found', title: 'Found' }, { kind: 'lost', title: 'Lost' }, { kind: 'moved', title: 'Moved' }, { kind: 'id', title: 'Changed number' },
 ] as const;
 
-/** "In 31 of 742 frames something differs: 3 found, 40 lost, 12 moved by up to 4.1 mm." */
+/** "31 of 742 frames differ: 3 found, 40 lost, 12 moved by up to 4.1 mm." */
 export function resultText(result: ComparisonResult): string {
   const { frames, frames_that_differ, found, lost, moved, id_changed, largest_mm } = result;
   if (frames_that_differ === 0) return `Nothing differs in ${plural(frames, 'frame')}.`;
@@ -26,7 +26,7 @@ export function resultText(result: ComparisonResult): string {
     moved && `${figure(moved)} moved by up to ${decimal(largest_mm, 1)} mm`,
     id_changed && `${figure(id_changed)} with a changed number`,
   ].filter(Boolean);
-  return `In ${figure(frames_that_differ)} of ${plural(frames, 'frame')} something differs${parts.length ? `: ${parts.join(', ')}` : ''}.`;
+  return `${figure(frames_that_differ)} of ${plural(frames, 'frame')} ${frames_that_differ === 1 ? 'differs' : 'differ'}${parts.length ? `: ${parts.join(', ')}` : ''}.`;
 }
 
 /** "yellow 3 lost", "ball moved 2.1 mm" */
