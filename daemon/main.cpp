@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "config/backends.h"
 #include "config/config.h"
+#include "config/found_cameras_text.h"
 #include "config/stages.h"
 #include "config/version.h"
 #include "daemon.h"

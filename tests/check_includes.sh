@@ -29,7 +29,8 @@ rules='
   web                   base image
   config                engines
   replay                engines config
-  ctl                   engines config replay
+  ctl                   base settings colors/margin_text.h config/found_cameras_text.h config/version.h
+  lab                   engines config replay ctl
   services              engines config web
   services/access       engines config web services
   services/network      engines config web services
@@ -47,7 +48,7 @@ rules='
 '
 engines='base image clips geometry tracking calibration vision colors capture pipeline kit net recording settings health proto'
 
-# "top" is daemon/ itself: main and the composition root. Nothing includes top or ctl. An engine includes no service. A
+# "top" is daemon/ itself: main and the composition root. Nothing includes top or lab; only lab includes ctl. An engine includes no service. A
 # service includes only those headers of other services that are listed here: their small interfaces.
 grep -rnE --include='*.h' --include='*.cpp' --include='*.h.in' '^[[:space:]]*#[[:space:]]*include[[:space:]]*"' . |
   awk -v rules="$rules" -v engines="$engines" '

@@ -28,7 +28,8 @@ expect allowed image/jpeg.cpp image/jpeg.h
 expect allowed capture/simulator/simulator.cpp vision/patterns.h
 expect allowed daemon.cpp web/server.h
 expect allowed net/packets.cpp ssl_vision_wrapper.pb.h
-expect allowed ctl/bench.cpp pipeline/pipeline.h
+expect allowed lab/learn.cpp pipeline/pipeline.h
+expect allowed lab/track_log.cpp ctl/table.h
 expect "base may include only: itself" base/log.h image/image.h
 expect "vision may include only: itself, base, image, geometry" vision/find_runs.h pipeline/frame.h
 expect "capture may include only:" capture/simulator/simulator.cpp vision/lut.h
@@ -38,6 +39,8 @@ expect "web may include only:" web/router.cpp services/service.h
 expect "colors may include only:" colors/surfaces.cpp services/colors/color_desk.h
 expect "ctl may include only:" ctl/client.cpp services/service.h
 expect "ctl may include only:" ctl/client.cpp web/route.h
+expect "ctl may include only:" ctl/main.cpp lab/bench.h
+expect "ctl may include only:" ctl/colors.cpp colors/surfaces.h
 expect "config may include only:" config/config.cpp services/service.h
 expect allowed services/colors/color_service.cpp services/cameras/cameras.h
 expect allowed services/colors/color_service.cpp services/service.h
@@ -50,6 +53,6 @@ expect "services may include only:" services/health_report.cpp services/cameras/
 expect "pipeline/frame.h may include only:" pipeline/frame.h base/log.h
 expect "pipeline/frame.h may include only:" pipeline/frame.h pipeline/stage.h
 expect "web may include only:" web/server.h daemon.h
-expect "web may include only:" web/server.h ctl/bench.h
+expect "web may include only:" web/server.h ctl/client.h
 expect "folder tracker/ has no rule" tracker/filter.cpp base/log.h
 exit $failed

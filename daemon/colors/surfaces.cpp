@@ -12,8 +12,6 @@
 #include <numbers>
 #include <utility>
 
-#include <fmt/format.h>
-
 namespace sslv {
 namespace {
 
@@ -483,12 +481,6 @@ bool about_same(std::span<const LabelMargin> a, std::span<const LabelMargin> b) 
            alike(one.brighter, other.brighter, LabelMargin::kMaxFactor) &&
            alike(one.darker, other.darker, 1 / LabelMargin::kMaxFactor);
   });
-}
-
-std::string margin_text(std::string_view surface, std::string_view label, double change) {
-  const double percent = std::round(100 * std::abs(change));
-  if (percent == 0) return fmt::format("{} is {} now", surface, label);
-  return fmt::format("{} becomes {} at {}{:.0f} %", surface, label, change < 0 ? "\u2212" : "+", percent);
 }
 
 }  // namespace sslv

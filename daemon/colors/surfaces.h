@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "colors/margin_text.h"
 #include "colors/small_picture.h"
 #include "image/color.h"
 #include "image/image.h"
@@ -131,8 +132,6 @@ std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surf
 /// Whether the margins differ no more than they do between frames because of noise and flicker.
 bool about_same(std::span<const LabelMargin> a, std::span<const LabelMargin> b);
 
-/// Wanted minimum of all margins: lamps differ by that much over a field, and from day to day.
-inline constexpr double kWantedMargin = 0.30;
 /// Lamps flicker and age by this much: smaller margins lead to floods during a match.
 inline constexpr double kMinMargin = 0.10;
 
@@ -145,7 +144,5 @@ struct MinMargin {
 /// and balls are on the carpet, so a floor with a label hides no robot or ball, and learning keeps the
 /// colours of dots even if the floor has these colours, too.
 std::optional<MinMargin> min_to_carpet(std::span<const LabelMargin> margins);
-/// "carpet becomes green at +9 %", or "carpet is green now".
-std::string margin_text(std::string_view surface, std::string_view label, double change);
 
 }  // namespace sslv

@@ -144,20 +144,4 @@ Json found_camera_json(const FoundCamera& found) {
           {"source", found.source}};
 }
 
-std::string found_cameras_text(const Json& found) {
-  std::string out;
-  for (const Json& source : found) {
-    out += fmt::format("{}\n  \"source\": {}\n", source.at("name").get<std::string>(),
-                       source.at("source").dump());
-    std::string formats;
-    for (const Json& format : source.at("formats"))
-      formats += (formats.empty() ? "" : ", ") + format.get<std::string>();
-    if (!formats.empty()) out += "  pixel formats: " + formats + "\n";
-  }
-  return out.empty()
-             ? "No camera found. Check power, cable and network; GigE cameras must have an address of "
-               "your network.\n"
-             : out;
-}
-
 }  // namespace sslv

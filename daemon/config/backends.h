@@ -47,7 +47,5 @@ Json found_camera_json(const FoundCamera& found);
 /// Returns all names that the settings may use for the camera that this source opens, including those in
 /// `found`. A source without a name opens the first camera found.
 std::vector<std::string> names_of_camera(const Json& source, std::span<const FoundCamera> found);
-/// Text about the found cameras for a terminal, with the settings lines to paste.
-std::string found_cameras_text(const Json& found);
 
 }  // namespace sslv

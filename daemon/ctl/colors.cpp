@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/colors.h"
 
-#include "colors/surfaces.h"
+#include "colors/margin_text.h"
 
 #include <chrono>
 #include <thread>
@@ -72,7 +72,7 @@ std::string margins_text(const Json& margins) {
     for (const auto& [key, sign] : {std::pair{"brighter", 1}, std::pair{"darker", -1}}) {
       if (!margin.at(key).is_number()) continue;
       const double share = margin.at(key).get<double>();
-      is_thin = is_thin || (share < kWantedMargin && surface == name_of(SurfaceKind::kCarpet));
+      is_thin = is_thin || (share < kWantedMargin && surface == "carpet");
       text += (text.empty() ? "" : ", ") + margin_text(surface, label, sign * share);
     }
     if (text.empty()) text = surface + " never does";

@@ -27,7 +27,8 @@ void add_nodes(const CLI::App& app, const std::string& path, std::vector<Node>& 
     for (const std::string& name : option->get_lnames())
       node.options.push_back({"--" + name, option->get_description(), option->get_expected_max() > 0});
   }
-  const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
+  // Those without a group are hidden in the help, too.
+  const auto commands = app.get_subcommands([](const CLI::App* one) { return !one->get_group().empty(); });
   for (const CLI::App* command : commands)
     node.commands.push_back({command->get_name(), command->get_description()});
   nodes.push_back(std::move(node));
@@ -122,7 +123,8 @@ end
 
 }  // namespace
 
-std::string completion_script(const CLI::App& app, const std::string& program, const std::string& shell) {
+std::string completion_script(const CLI::App& app, const std::string& shell) {
+  const std::string& program = app.get_name();
   std::string name = "_" + program;
   std::replace(name.begin(), name.end(), '-', '_');
   std::vector<Node> nodes;

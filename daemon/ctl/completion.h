@@ -8,7 +8,7 @@
 namespace sslv {
 
 /// Returns a script with which a shell ("bash", "zsh" or "fish") completes the commands and options of a
-/// command line, and file names where neither a command nor an option fits.
-std::string completion_script(const CLI::App& app, const std::string& program, const std::string& shell);
+/// program, and file names where neither a command nor an option fits.
+std::string completion_script(const CLI::App& app, const std::string& shell);
 
 }  // namespace sslv

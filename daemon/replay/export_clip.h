@@ -34,7 +34,7 @@ struct ExportedCamera {
 
 /// Writes a folder for each camera (camera_0 and so on) with these files:
 /// - its frames by number, frame_000042.png or .raw;
-/// - truth.jsonl, a line with the unchecked detections of each frame (as `ssl-visionctl score` and `annotate`
+/// - truth.jsonl, a line with the unchecked detections of each frame (as `ssl-visionlab score` and `annotate`
 ///   read it, with "t", the capture time in Unix s);
 /// - frames.json (as `simulate` writes it);
 /// - with_coco: coco.json (COCO's object detection: images, annotations, categories).

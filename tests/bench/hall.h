@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "ctl/bench.h"
 #include "image/image.h"
+#include "lab/bench.h"
 #include "vision/lut.h"
 
 #include <array>

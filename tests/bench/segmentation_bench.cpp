@@ -5,7 +5,7 @@
 #include "byte_sum.h"
 #include "colors/learn_colors.h"
 #include "config/config.h"
-#include "ctl/bench.h"
+#include "lab/bench.h"
 #include "support/paths.h"
 #include "support/simd_target.h"
 #include "three_passes.h"

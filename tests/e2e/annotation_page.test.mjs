@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page for annotating an image: clicks become a command, which is then run. The page's script runs here on a stub
 // of the few DOM parts that it uses, so no browser is needed.
-//   SSLV_CTL  the tool; default: the release build
+//   SSLV_LAB  ssl-visionlab; default: the release build's
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
@@ -11,14 +11,14 @@ import { after, before, it } from 'node:test';
 import { runInNewContext } from 'node:vm';
 import { root } from './service.mjs';
 
-const CTL = process.env.SSLV_CTL ?? join(root, 'build/release/bin/ssl-visionctl');
+const LAB = process.env.SSLV_LAB ?? join(root, 'build/release/bin/ssl-visionlab');
 const settings = join(root, 'config/demo.json');
 let folder;
 
 before(() => {
   folder = mkdtempSync(join(tmpdir(), "a hall's pictures "));
-  execFileSync(CTL, ['simulate', '--settings', settings, '--frames', '1', '--start', '1000', '--output', join(folder, 'hall')]);
-  execFileSync(CTL, ['annotate', '--settings', settings, '--input', join(folder, 'hall'), '--truth', join(folder, 'truth.jsonl')]);
+  execFileSync(LAB, ['simulate', '--settings', settings, '--frames', '1', '--start', '1000', '--output', join(folder, 'hall')]);
+  execFileSync(LAB, ['annotate', '--settings', settings, '--input', join(folder, 'hall'), '--truth', join(folder, 'truth.jsonl')]);
 });
 after(() => rmSync(folder, { recursive: true }));
 
@@ -66,7 +66,7 @@ function load() {
     choose: (choice) => { what = choice; },
     press: (name, [x, y]) => svg().happens(name, { clientX: 10 + (x + 0.5) / 2, clientY: 20 + (y + 0.5) / 2 }),
     /** Runs the command that the page shows, as if pasted into a shell. */
-    run: () => execFileSync('bash', ['-c', byId('words').value.replace('ssl-visionctl', '"$0"'), CTL]),
+    run: () => execFileSync('bash', ['-c', byId('words').value.replace('ssl-visionlab', '"$0"'), LAB]),
   };
 }
 

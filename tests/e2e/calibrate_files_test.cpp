@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// ssl-visionctl calibrate on simulated images.
+// ssl-visionlab calibrate on simulated images, called through ssl-visionctl.
 #include "base/params_json.h"
 #include "e2e/calibration_points.h"
 #include "e2e/running_daemon.h"
@@ -21,7 +21,7 @@ class CalibrateFiles : public ::testing::Test {
   Json json_in(const char* name) const { return Json::parse(std::ifstream(folder_.file(name))); }
   /// Images of camera 0 of the demo, with its robots.
   void simulate(const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> words{ctl_program(), "simulate", "--settings", source_path("/config/demo.json"),
+    std::vector<std::string> words{lab_program(), "simulate", "--settings", source_path("/config/demo.json"),
                                    "--frames",    "5",        "--output",   folder_.file("frames")};
     words.insert(words.end(), more.begin(), more.end());
     const auto run = run_to_end(words);

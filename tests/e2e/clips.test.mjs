@@ -275,7 +275,7 @@ describe('clips', () => {
     for (const words of [['clip', 'info', foreign], ['clip', 'info', join(folder, 'none.clip')], ['clip', 'export', foreign, '--output', join(service.folder, 'out')], ['replay', foreign, '--compare']]) {
       const run = spawnSync(CTL, words, { encoding: 'utf8' });
       assert.deepEqual([run.status, run.stdout], [2, ''], words.join(' '));
-      assert.match(run.stderr, /^ssl-visionctl: .*\.clip: /);
+      assert.match(run.stderr, /^ssl-visionlab: .*\.clip: /);
     }
     await service.patch({ op: 'replace', path: '/recording/last_seconds/memory_mb', value: 0 });
     await becomes(clips, ({ last_seconds }) => last_seconds.memory_bytes === 0);

@@ -3,8 +3,8 @@
 // another computer.
 #include "capture/simulator/simulator_world.h"
 #include "config/config.h"
-#include "ctl/track_score.h"
 #include "e2e/running_daemon.h"
+#include "lab/track_score.h"
 #include "net/packets.h"
 #include "ssl_vision_wrapper_tracked.pb.h"
 

@@ -35,17 +35,17 @@ void run_or_fail(const std::vector<std::string>& words, std::string* output = nu
 void everything_is_found(const fs::path& hall, int balls_missed = 0) {
   const TemporaryFolder folder;
   const std::string settings_file = hall / "settings.json", truth = hall / "truth.jsonl";
-  ASSERT_TRUE(fs::exists(truth)) << truth << ": make it with ssl-visionctl annotate";
+  ASSERT_TRUE(fs::exists(truth)) << truth << ": make it with ssl-visionlab annotate";
   const Json settings = Json::parse(std::ifstream(settings_file));
   const std::string camera = std::to_string(settings["cameras"][0].value("id", 0));
   run_or_fail({ctl_program(), "learn-colours", "--settings", settings_file, "--camera", camera, "--input",
                hall, "--output", folder.file("table.lut")});
   if (testing::Test::HasFatalFailure()) return;
-  run_or_fail({ctl_program(), "process", "--settings", settings_file, "--camera", camera, "--lut",
+  run_or_fail({lab_program(), "process", "--settings", settings_file, "--camera", camera, "--lut",
                folder.file("table.lut"), "--input", hall, "--output", folder.file("found")});
   if (testing::Test::HasFatalFailure()) return;
   std::string text;
-  run_or_fail({ctl_program(), "score", "--json", "--detections", folder.file("found"), "--truth", truth},
+  run_or_fail({lab_program(), "score", "--json", "--detections", folder.file("found"), "--truth", truth},
               &text);
   if (testing::Test::HasFatalFailure()) return;
 
@@ -89,8 +89,8 @@ TEST(RealHalls, ADrawnOneIsAnnotatedAndFoundToo) {
   const fs::path hall = folder.path() / "drawn";
   const std::string demo = source_path("/config/demo.json");
   run_or_fail(
-      {ctl_program(), "simulate", "--settings", demo, "--frames", "4", "--start", "1000", "--output", hall});
-  run_or_fail({ctl_program(), "annotate", "--settings", demo, "--input", hall, "--truth",
+      {lab_program(), "simulate", "--settings", demo, "--frames", "4", "--start", "1000", "--output", hall});
+  run_or_fail({lab_program(), "annotate", "--settings", demo, "--input", hall, "--truth",
                folder.file("truth.jsonl"), "--checked"});
   if (testing::Test::HasFatalFailure()) return;
   fs::copy_file(demo, hall / "settings.json");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// ssl-visionctl with files (simulate, process, score, and a real photo) and with a running daemon.
+// ssl-visionlab with files (simulate, process, score, and a real photo), and ssl-visionctl with a running
+// daemon.
 #include "base/params_json.h"
 #include "e2e/running_daemon.h"
 #include "geometry/camera_model.h"
@@ -10,6 +11,7 @@
 #include <fstream>
 #include <map>
 #include <sstream>
+#include <utility>
 
 #include <gmock/gmock.h>
 
@@ -36,9 +38,9 @@ class Tools : public ::testing::Test {
   /// simulate -> process -> score over `frames` frames.
   Json score(const std::string& settings, int frames, const std::vector<std::string>& raw_format = {}) const {
     std::vector<std::string> simulate{
-        ctl_program(),          "simulate", "--settings", settings,   "--frames",
+        lab_program(),          "simulate", "--settings", settings,   "--frames",
         std::to_string(frames), "--start",  "1000",       "--output", folder_.file("frames")};
-    std::vector<std::string> process{ctl_program(), "process",
+    std::vector<std::string> process{lab_program(), "process",
                                      "--settings",  settings,
                                      "--input",     folder_.file("frames"),
                                      "--output",    folder_.file("detections.jsonl")};
@@ -49,7 +51,7 @@ class Tools : public ::testing::Test {
     must_run(simulate);
     must_run(process);
     const auto scored =
-        run_to_end({ctl_program(), "score", "--json", "--detections", folder_.file("detections.jsonl"),
+        run_to_end({lab_program(), "score", "--json", "--detections", folder_.file("detections.jsonl"),
                     "--truth", folder_.file("frames/truth.jsonl")});
     EXPECT_EQ(scored.exit_code, 0) << scored.output;
     return Json::parse(scored.output);
@@ -102,10 +104,10 @@ TEST_F(Tools, BayerOfALargerSensor) {
 
 TEST_F(Tools, ProcessingIsDeterministic) {
   const std::string settings = settings_with("{}");
-  must_run({ctl_program(), "simulate", "--settings", settings, "--frames", "3", "--output",
+  must_run({lab_program(), "simulate", "--settings", settings, "--frames", "3", "--output",
             folder_.file("frames")});
   const auto detections = [&](const char* name) {
-    must_run({ctl_program(), "process", "--settings", settings, "--input", folder_.file("frames"), "--output",
+    must_run({lab_program(), "process", "--settings", settings, "--input", folder_.file("frames"), "--output",
               folder_.file(name)});
     std::vector<Json> lines;
     std::istringstream text(text_of(folder_.file(name)));
@@ -124,29 +126,29 @@ TEST_F(Tools, ProcessingIsDeterministic) {
 
 TEST_F(Tools, UnreadableFilesAreNamedAndSkipped) {
   const std::string settings = settings_with("{}");
-  must_run({ctl_program(), "simulate", "--settings", settings, "--frames", "2", "--output",
+  must_run({lab_program(), "simulate", "--settings", settings, "--frames", "2", "--output",
             folder_.file("frames")});
   folder_.write("frames/frame_000000a.png", "this is no picture");
   const auto run =
-      run_to_end({ctl_program(), "process", "--settings", settings, "--input", folder_.file("frames")});
+      run_to_end({lab_program(), "process", "--settings", settings, "--input", folder_.file("frames")});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_THAT(run.output,
               AllOf(HasSubstr("frame_000000a.png"), HasSubstr("\"frame\":\"frame_000000\""),
                     HasSubstr("\"frame\":\"frame_000001\""), HasSubstr("1 frames could not be read")));
-  must_run({ctl_program(), "simulate", "--settings", settings, "--frames", "1", "--raw", "--output",
+  must_run({lab_program(), "simulate", "--settings", settings, "--frames", "1", "--raw", "--output",
             folder_.file("raw")});
-  const auto wrong = run_to_end({ctl_program(), "process", "--settings", settings, "--input",
+  const auto wrong = run_to_end({lab_program(), "process", "--settings", settings, "--input",
                                  folder_.file("raw"), "--pixel-format", "uyvy", "--size", "640x480"});
   EXPECT_THAT(wrong.output, AllOf(HasSubstr("frame_000000.raw"), HasSubstr("904800"), HasSubstr("614400")));
-  EXPECT_THAT(run_to_end({ctl_program(), "process", "--settings", settings, "--input", "/no/such"}).output,
+  EXPECT_THAT(run_to_end({lab_program(), "process", "--settings", settings, "--input", "/no/such"}).output,
               HasSubstr("/no/such"));
   EXPECT_THAT(
-      run_to_end({ctl_program(), "process", "--settings", settings, "--camera", "7", "--input", "x"}).output,
+      run_to_end({lab_program(), "process", "--settings", settings, "--camera", "7", "--input", "x"}).output,
       HasSubstr("has no camera 7; known: 0, 1"));
 }
 
 TEST_F(Tools, BenchTimesEveryStage) {
-  const auto run = run_to_end({ctl_program(), "bench", "--json", "--frames", "1", "--rounds", "1",
+  const auto run = run_to_end({lab_program(), "bench", "--json", "--frames", "1", "--rounds", "1",
                                "--settings", settings_with("{}")});
   ASSERT_EQ(run.exit_code, 0) << run.output;
   const Json results = Json::parse(run.output);
@@ -160,9 +162,9 @@ TEST_F(Tools, BenchTimesEveryStage) {
 
 TEST_F(Tools, TheGoldenPictureHoldsWhatItsTruthSays) {
   const std::string golden = source_path("/tests/golden/division_b");
-  must_run({ctl_program(), "process", "--settings", golden + ".json", "--input", golden + ".jpg", "--output",
+  must_run({lab_program(), "process", "--settings", golden + ".json", "--input", golden + ".jpg", "--output",
             folder_.file("detections.jsonl")});
-  const auto scored = run_to_end({ctl_program(), "score", "--json", "--detections",
+  const auto scored = run_to_end({lab_program(), "score", "--json", "--detections",
                                   folder_.file("detections.jsonl"), "--truth", golden + ".truth.jsonl"});
   ASSERT_EQ(scored.exit_code, 0) << scored.output;
   const Json score = Json::parse(scored.output);
@@ -180,10 +182,10 @@ TEST_F(Tools, TheGoldenPictureHoldsWhatItsTruthSays) {
 /// A user annotates two images of a hall whose contents are known, and scores with that ground truth.
 TEST_F(Tools, AHallsOwnPicturesAreAnnotatedAndScored) {
   const std::string settings = settings_with("{}"), truth = folder_.file("truth.jsonl");
-  must_run({ctl_program(), "simulate", "--settings", settings, "--frames", "2", "--start", "1000", "--output",
+  must_run({lab_program(), "simulate", "--settings", settings, "--frames", "2", "--start", "1000", "--output",
             folder_.file("hall")});
   const auto annotate = [&](const std::vector<std::string>& words) {
-    std::vector<std::string> all{ctl_program(), "annotate",           "--settings", settings,
+    std::vector<std::string> all{lab_program(), "annotate",           "--settings", settings,
                                  "--input",     folder_.file("hall"), "--truth",    truth};
     all.insert(all.end(), words.begin(), words.end());
     return run_to_end(all);
@@ -196,7 +198,7 @@ TEST_F(Tools, AHallsOwnPicturesAreAnnotatedAndScored) {
   };
   const auto scored = [&](const std::string& against) {
     const auto run =
-        run_to_end({ctl_program(), "score", "--json", "--detections", against, "--truth", truth});
+        run_to_end({lab_program(), "score", "--json", "--detections", against, "--truth", truth});
     EXPECT_EQ(run.exit_code, 0) << run.output;
     return Json::parse(run.output);
   };
@@ -219,7 +221,7 @@ TEST_F(Tools, AHallsOwnPicturesAreAnnotatedAndScored) {
   ASSERT_EQ(corrected.exit_code, 0) << corrected.output;
   const std::string hall = folder_.file("detections.jsonl");
   must_run(
-      {ctl_program(), "process", "--settings", settings, "--input", folder_.file("hall"), "--output", hall});
+      {lab_program(), "process", "--settings", settings, "--input", folder_.file("hall"), "--output", hall});
   Json score = scored(hall);
   EXPECT_EQ(score["robots"]["invented"], 1);
   EXPECT_EQ(score["robots"]["wrong_id"], 1);
@@ -255,7 +257,7 @@ TEST_F(Tools, AHallsOwnPicturesAreAnnotatedAndScored) {
   EXPECT_THAT(annotate({"--frame", "no"}).output, HasSubstr("has no image \"no\""));
   EXPECT_EQ(text_of(truth), before);
   // A ground truth from another program has no marks and is not overwritten.
-  const auto simulated = run_to_end({ctl_program(), "annotate", "--settings", settings, "--input",
+  const auto simulated = run_to_end({lab_program(), "annotate", "--settings", settings, "--input",
                                      folder_.file("hall"), "--truth", folder_.file("hall/truth.jsonl")});
   EXPECT_EQ(simulated.exit_code, 78);
   EXPECT_THAT(simulated.output, HasSubstr("is not of a file that `annotate` wrote"));
@@ -264,7 +266,7 @@ TEST_F(Tools, AHallsOwnPicturesAreAnnotatedAndScored) {
 TEST_F(Tools, TheAccuracySuiteHoldsWhereItMust) {
   // A part of `./run accuracy`, with the limits defined in the suite.
   const auto run =
-      run_to_end({ctl_program(), "score", "--suite", source_path("/tests/golden/accuracy.json"), "--frames",
+      run_to_end({lab_program(), "score", "--suite", source_path("/tests/golden/accuracy.json"), "--frames",
                   "12", "--only", "field A", "field A, Bayer", "field B, RGB", "noise 15", "light 0.3",
                   "gradient to 10 %", "touching at 1 mm", "one dot covered"});
   EXPECT_EQ(run.exit_code, 0) << run.output;
@@ -374,32 +376,67 @@ TEST_F(AskingADaemon, CamerasAndAlertsAreTables) {
 }
 
 /// Bash's completions for these words, the last of which is incomplete.
-std::string completed(const std::vector<std::string>& words) {
+std::string completed(const std::string& program, const std::vector<std::string>& words) {
   std::vector<std::string> all{
       "/bin/bash", "-c",
-      "source <(\"$0\" completion bash) && COMP_WORDS=(ssl-visionctl \"$@\") && COMP_CWORD=$# && "
-      "_ssl_visionctl && complete -p ssl-visionctl >/dev/null && echo \"${COMPREPLY[*]}\"",
-      ctl_program()};
+      "source <(\"$0\" completion bash) && name=${0##*/} && COMP_WORDS=($name \"$@\") && COMP_CWORD=$# && "
+      "_${name/-/_} && complete -p $name >/dev/null && echo \"${COMPREPLY[*]}\"",
+      program};
   all.insert(all.end(), words.begin(), words.end());
   return run_to_end(all).output;
 }
 
 TEST(Completion, OffersTheCommandsAndOptionsOfAPlace) {
-  EXPECT_EQ(completed({"sett"}), "settings\n");
-  EXPECT_EQ(completed({"settings", "s"}), "set schema\n");
-  EXPECT_EQ(completed({"settings", "import", "--d"}), "--dry-run\n");
-  EXPECT_EQ(completed({"annotate", "--pa"}), "--pages\n");
-  EXPECT_EQ(completed({"score", "--min"}), "--min-robot-share --min-ball-share\n");
-  EXPECT_EQ(completed({"--da"}), "--daemon\n");
-  EXPECT_EQ(completed({"--daemon", "status", "wat"}), "watch\n");  // an option's value is not a command
-  EXPECT_EQ(completed({"snapshot", "--output", "sta"}), "\n");     // a file: left to the shell
+  EXPECT_EQ(completed(ctl_program(), {"sett"}), "settings\n");
+  EXPECT_EQ(completed(ctl_program(), {"settings", "s"}), "set schema\n");
+  EXPECT_EQ(completed(ctl_program(), {"settings", "import", "--d"}), "--dry-run\n");
+  EXPECT_EQ(completed(lab_program(), {"annotate", "--pa"}), "--pages\n");
+  EXPECT_EQ(completed(lab_program(), {"score", "--min"}), "--min-robot-share --min-ball-share\n");
+  EXPECT_EQ(completed(ctl_program(), {"ben"}), "");
+  EXPECT_EQ(completed(ctl_program(), {"--da"}), "--daemon\n");
+  EXPECT_EQ(completed(ctl_program(), {"--daemon", "status", "wat"}),
+            "watch\n");  // an option's value is not a command
+  EXPECT_EQ(completed(ctl_program(), {"snapshot", "--output", "sta"}), "\n");  // a file: left to the shell
+}
+
+TEST(Laboratory, IsReachedByTheNamesOfItsCommandsInSslVisionctl) {
+  const Finished direct = run_to_end({lab_program(), "bench", "--help"});
+  EXPECT_EQ(direct.exit_code, 0);
+  EXPECT_THAT(direct.output, HasSubstr("ssl-visionlab bench [OPTIONS]"));
+  for (const auto& words : std::vector<std::vector<std::string>>{
+           {"bench", "--help"}, {"--help", "bench"}, {"--daemon", "score", "bench", "--help"}}) {
+    std::vector<std::string> all{ctl_program()};
+    all.insert(all.end(), words.begin(), words.end());
+    const Finished run = run_to_end(all);
+    EXPECT_EQ(run.output, direct.output) << words.front();
+    EXPECT_EQ(run.exit_code, 0);
+  }
+  EXPECT_EQ(run_to_end({ctl_program(), "score", "--no-such"}).exit_code, 64);
+  EXPECT_EQ(run_to_end({lab_program(), "--version"}).output.substr(0, 14), "ssl-visionlab ");
+}
+
+TEST(Laboratory, WhenItIsMissingItIsNamed) {
+  const TemporaryFolder folder;
+  const std::string alone = folder.file("ssl-visionctl");
+  std::filesystem::copy_file(ctl_program(), alone);
+  for (const auto& [words, name] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"bench"}, "bench"},
+           {{"clip", "info", "x.clip"}, "clip info"},
+           {{"learn-colours", "--settings", "x.json", "--input", "x"}, "learn-colours --input"}}) {
+    std::vector<std::string> all{alone};
+    all.insert(all.end(), words.begin(), words.end());
+    const Finished run = run_to_end(all);
+    EXPECT_EQ(run.exit_code, 69);
+    EXPECT_EQ(run.output, "ssl-visionctl: " + name + " is a command of ssl-visionlab, which does not run: " +
+                              folder.file("ssl-visionlab") + ": No such file or directory\n");
+  }
 }
 
 TEST(RealPhoto, SixRobotsWithTheirIdsAndTwoBalls) {
   const auto photo = test_data_folder() / "real/ssl_blue6_win.jpg";
   if (!std::filesystem::exists(photo))
     GTEST_SKIP() << "no " << photo << ": real photos are not part of the project";
-  const auto run = run_to_end({ctl_program(), "process", "--settings",
+  const auto run = run_to_end({lab_program(), "process", "--settings",
                                source_path("/tests/golden/ssl_blue6.json"), "--input", photo.string()});
   ASSERT_EQ(run.exit_code, 0) << run.output;
   const Json found = Json::parse(run.output);

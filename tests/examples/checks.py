@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""checks.py SSL_VISIONCTL BUILD EXAMPLES SETTINGS FOLDER: runs the example stages of the folder BUILD on simulated
+"""checks.py SSL_VISIONLAB BUILD EXAMPLES SETTINGS FOLDER: runs the example stages of the folder BUILD on simulated
 frames, and says whether they find what is there. SETTINGS: demo.json. FOLDER keeps what was made."""
 import ctypes
 import json
@@ -12,7 +12,7 @@ import sys
 
 import numpy as np
 
-CTL, BUILD, EXAMPLES, DEMO, FOLDER = [pathlib.Path(word).resolve() for word in sys.argv[1:]]
+LAB, BUILD, EXAMPLES, DEMO, FOLDER = [pathlib.Path(word).resolve() for word in sys.argv[1:]]
 WIDTH, HEIGHT = 1560, 1160  # twice the demo's camera
 STACK = ["segment", "detect_robots", "detect_balls"]
 failures = []
@@ -42,8 +42,8 @@ def settings(name, added, source=None, scale=2, **camera):
     return file
 
 
-def ctl(*words, **environment):
-    done = subprocess.run([CTL, *map(str, words)], capture_output=True, text=True, env={**os.environ, **environment})
+def lab(*words, **environment):
+    done = subprocess.run([LAB, *map(str, words)], capture_output=True, text=True, env={**os.environ, **environment})
     if done.returncode != 0:
         raise SystemExit(f"{' '.join(map(str, done.args))}: {done.stdout}{done.stderr}")
     return done
@@ -52,7 +52,7 @@ def ctl(*words, **environment):
 def simulate(file, count, name, start=0):
     """Frames as an array of (count, height, width, 3), their truth, and the folder with both."""
     folder = FOLDER / name
-    ctl(
+    lab(
         "simulate",
         "--settings",
         file,
@@ -88,7 +88,7 @@ def process_words(file, folder, size, pixel_format="rgb24"):
 
 def process(file, folder, size=(WIDTH, HEIGHT), pixel_format="rgb24", **environment):
     """What was found in each frame, and what stages said in the end."""
-    done = ctl(*process_words(file, folder, size, pixel_format), **environment)
+    done = lab(*process_words(file, folder, size, pixel_format), **environment)
     return [json.loads(line) for line in done.stdout.splitlines()], done.stderr
 
 
@@ -441,7 +441,7 @@ def record_patches():
     file = settings("record_all", ["record_patches"], SCATTERED, scale=1, stages=all_of_them)
     words = process_words(file, folder, (780, 580)) + ["--output", FOLDER / "hanging.jsonl"]
     environment = {**os.environ, "SSLV_PATCHES": str(hanging)}
-    with subprocess.Popen([CTL, *words], stderr=subprocess.PIPE, text=True, env=environment) as running:
+    with subprocess.Popen([LAB, *words], stderr=subprocess.PIPE, text=True, env=environment) as running:
         said = (line.split() for line in running.stderr)
         dropped = next((int(words[1]) for words in said if words[0] == "record_patches:"), None)
         if dropped is not None:
@@ -461,7 +461,7 @@ def score(found, truth):
     for name, lines in (("found", found), ("truth", truth)):
         (FOLDER / f"{name}.jsonl").write_text("\n".join(map(json.dumps, lines)))
     return json.loads(
-        ctl("score", "--json", "--detections", FOLDER / "found.jsonl", "--truth", FOLDER / "truth.jsonl").stdout
+        lab("score", "--json", "--detections", FOLDER / "found.jsonl", "--truth", FOLDER / "truth.jsonl").stdout
     )["balls"]
 
 

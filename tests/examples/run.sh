@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 # run.sh PREFIX FOLDER: builds the example stage libraries like an author, against the files installed under PREFIX, and
 # runs them on simulated frames. All output goes to FOLDER. Exit code 77: not possible here.
-# CTL: ssl-visionctl (PREFIX/bin/ssl-visionctl). EXAMPLES: their sources (docs/examples). DEMO: demo.json (config/demo.json).
+# LAB: ssl-visionlab (PREFIX/bin/ssl-visionlab). EXAMPLES: their sources (docs/examples). DEMO: demo.json (config/demo.json).
 set -euo pipefail
 here=$(realpath "$(dirname "$0")")
 prefix=$(realpath "$1")
 mkdir -p "$2"
 folder=$(realpath "$2")
-ctl=${CTL:-$prefix/bin/ssl-visionctl}
+lab=${LAB:-$prefix/bin/ssl-visionlab}
 examples=${EXAMPLES:-$here/../../docs/examples}
 demo=${DEMO:-$here/../../config/demo.json}
 # Debian's Python, which python3-numpy is for.
@@ -43,4 +43,4 @@ limit 80 "$examples/record_patches/record_patches.cpp"
 rm -rf "$folder/stages"
 build_all >"$folder/build.log" 2>&1 || { tail -n 30 "$folder/build.log"; echo "FAIL  the examples do not build"; exit 1; }
 echo "ok    the examples build"
-"$python" "$here/checks.py" "$ctl" "$folder/stages" "$examples" "$demo" "$folder/run"
+"$python" "$here/checks.py" "$lab" "$folder/stages" "$examples" "$demo" "$folder/run"

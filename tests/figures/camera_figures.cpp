@@ -210,7 +210,7 @@ void five_megapixels() {
   bench.settings["cameras"].erase(1);
   const std::string recorded = bench.folder.file("frames");
   const Finished drawn =
-      run_to_end({ctl_program(), "simulate", "--raw", "--frames", "4", "--settings",
+      run_to_end({lab_program(), "simulate", "--raw", "--frames", "4", "--settings",
                   bench.folder.write("simulated.json", bench.simulated.dump()), "--output", recorded});
   if (drawn.exit_code != 0) throw std::runtime_error(drawn.output);
   bench.scene->served["source"] = {

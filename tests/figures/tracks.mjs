@@ -16,6 +16,7 @@ const { values: options } = parseArgs({
   },
 });
 const CTL = process.env.SSLV_CTL ?? join(root, 'build/release/bin/ssl-visionctl');
+const LAB = process.env.SSLV_LAB ?? join(root, 'build/release/bin/ssl-visionlab');
 const GROUP = '239.255.77.79';
 
 /** Per camera, in mm, degrees, fraction of the frame interval, ms. */
@@ -46,14 +47,14 @@ const service = await createService(GROUP);
 const { settings } = service;
 settings.cameras = ERRORS.map((_, id) => cameraOf(settings.cameras[0], id));
 settings.network.tracker = { enabled: true, group: GROUP, port: await freeUdpPort() };
-const ctl = (...words) => execFileSync(CTL, ['--daemon', service.address('').replace(/\/$/, ''), ...words], { encoding: 'utf8' });
+const [ctl, lab] = [CTL, LAB].map((program) => (...words) => execFileSync(program, ['--daemon', service.address('').replace(/\/$/, ''), ...words], { encoding: 'utf8' }));
 
 try {
   await service.start();
   await service.statusBecomes(({ cameras }) => cameras.length === 4 && cameras.every(({ state }) => state === 'running'));
   await pause(20_000); // until the cameras' clocks are aligned
   console.log(`Four simulated cameras of 780 x 580, ${options.rate} Hz, ${2 * Number(options.robots)} robots, seed ${options.seed}, ${options.seconds} s:\n`);
-  console.log(ctl('score', '--tracks', options.seconds));
+  console.log(lab('score', '--tracks', options.seconds));
   console.log(ctl('field', 'agreement'));
   console.log(ctl('field').split('\n').slice(-12).join('\n'));
 

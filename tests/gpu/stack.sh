@@ -15,9 +15,9 @@ settings() {
 }
 settings threshold >cpu.json
 settings gpu_threshold >gpu.json
-"$build/bin/ssl-visionctl" simulate --settings cpu.json --frames 60 --output images
-"$build/bin/ssl-visionctl" process --settings cpu.json --input images >cpu.jsonl
-"$build/bin/ssl-visionctl" process --stages "$build/stages" --settings gpu.json --input images >gpu.jsonl 2>said.txt ||
+"$build/bin/ssl-visionlab" simulate --settings cpu.json --frames 60 --output images
+"$build/bin/ssl-visionlab" process --settings cpu.json --input images >cpu.jsonl
+"$build/bin/ssl-visionlab" process --stages "$build/stages" --settings gpu.json --input images >gpu.jsonl 2>said.txt ||
   { cat said.txt; exit 1; }
 cat said.txt
 grep -q '^gpu_threshold: ' said.txt

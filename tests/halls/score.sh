@@ -6,15 +6,13 @@
 #   tests/halls/score.sh [--learn N] [--learn-light F] [--frames M] [--light F] [--kinds "usual hard acceptance"] [--sizes "A B C"]
 #       [--formats "uyvy rgb24 bayer_rg8"] [--seeds "1 2 3 4"] [--ball-share 0.4] [--keep FOLDER] [-- OPTIONS OF draw_halls]
 #
-# DRAW_HALLS and SSL_VISIONCTL name the programs; default: those of build/release. By default each frame has its own
+# BIN: the folder of the programs; default: that of build/release. By default each frame has its own
 # light, as suits the kind of hall; --learn-light fixes it for the frames for learning, --light for the others. Balls
 # count if fully visible, or if at least the fraction --ball-share is. Times depend on the computer's other load.
 set -eu
 
 here=$(cd "$(dirname "$0")" && pwd)
-bin=$here/../../build/release/bin
-draw=${DRAW_HALLS:-$bin/draw_halls}
-ctl=${SSL_VISIONCTL:-$bin/ssl-visionctl}
+bin=${BIN:-$here/../../build/release/bin}
 learn=1 frames=8 kinds="usual hard acceptance" sizes="A B C" formats="uyvy rgb24 bayer_rg8" seeds="1 2 3 4" keep="" learn_light="" light="" ball_share=""
 
 while [ $# -gt 0 ]; do
@@ -55,20 +53,20 @@ for kind in $kinds; do
         hall=$top/$kind-$size-$format-$seed
         set_of="--kind $kind --size $size --format $format --seed $seed"
         # shellcheck disable=SC2086  # several words each
-        "$draw" $set_of --frames "$learn" ${learn_light:+--light $learn_light --lamps 1,1} --output "$hall/learn" "$@"
+        "$bin/draw_halls" $set_of --frames "$learn" ${learn_light:+--light $learn_light --lamps 1,1} --output "$hall/learn" "$@"
         # shellcheck disable=SC2086
-        "$draw" $set_of --first $((learn + 1)) --frames "$frames" ${light:+--light $light --lamps 1,1} --output "$hall/frames" "$@"
+        "$bin/draw_halls" $set_of --first $((learn + 1)) --frames "$frames" ${light:+--light $light --lamps 1,1} --output "$hall/frames" "$@"
         learnt=yes
-        "$ctl" learn-colours --settings "$hall/learn/settings.json" --input "$hall/learn" --pixel-format "$format" --size $pixels \
+        "$bin/ssl-visionlab" learn-colours --settings "$hall/learn/settings.json" --input "$hall/learn" --pixel-format "$format" --size $pixels \
           --frames "$learn" --output "$hall/table.lut" --json > "$hall/learnt.json" 2> "$hall/learnt.err" || learnt=no
         result="- - - - - - - - -" time=-
         if [ $learnt = yes ]; then
           # The settings of a camera with that table.
           jq --arg table "$hall/table.lut" '.cameras[0].colors = {lut_file: $table}' "$hall/frames/settings.json" > "$hall/settings.json"
-          "$ctl" process --settings "$hall/settings.json" --input "$hall/frames" --pixel-format "$format" --size $pixels \
+          "$bin/ssl-visionlab" process --settings "$hall/settings.json" --input "$hall/frames" --pixel-format "$format" --size $pixels \
             --output "$hall/detections.jsonl"
           # shellcheck disable=SC2086
-          result=$("$ctl" score ${ball_share:+--min-ball-share $ball_share} --detections "$hall/detections.jsonl" --truth "$hall/frames/truth.jsonl" --json | jq -r "$line_of")
+          result=$("$bin/ssl-visionlab" score ${ball_share:+--min-ball-share $ball_share} --detections "$hall/detections.jsonl" --truth "$hall/frames/truth.jsonl" --json | jq -r "$line_of")
           time=$(jq -s '[.[].timing_us|add]|sort|.[length/2|floor]|round' "$hall/detections.jsonl")
         fi
         # shellcheck disable=SC2086

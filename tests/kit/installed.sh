@@ -16,8 +16,8 @@ settings_with() {
     console.log(JSON.stringify(settings));' "$here/../../config/demo.json" "$1"
 }
 settings_with hello >settings.json
-"$build/bin/ssl-visionctl" simulate --settings "$here/../../config/demo.json" --frames 3 --output images
-"$build/bin/ssl-visionctl" process --stages hello/build --settings settings.json --input images >frames.jsonl 2>said.txt
+"$build/bin/ssl-visionlab" simulate --settings "$here/../../config/demo.json" --frames 3 --output images
+"$build/bin/ssl-visionlab" process --stages hello/build --settings settings.json --input images >frames.jsonl 2>said.txt
 grep -qx 'hello: 0 balls removed' said.txt || { cat said.txt >&2; exit 1; }
 [[ $(wc -l <frames.jsonl) == 3 ]]
 
@@ -28,7 +28,7 @@ printf '%s\n' 'cmake_minimum_required(VERSION 3.18)' 'project(faulty CXX)' 'find
 { cmake -S faulty -B faulty/build -DCMAKE_PREFIX_PATH="$PWD/usr" -DCMAKE_CXX_COMPILER=g++ \
     -DCMAKE_CXX_FLAGS=-fsanitize=address && cmake --build faulty/build; } >faulty.log 2>&1 || { tail -n 30 faulty.log >&2; exit 1; }
 settings_with write_behind >faulty.json
-if LD_PRELOAD=$(g++ -print-file-name=libasan.so) ASAN_OPTIONS=detect_leaks=0 "$build/bin/ssl-visionctl" process \
+if LD_PRELOAD=$(g++ -print-file-name=libasan.so) ASAN_OPTIONS=detect_leaks=0 "$build/bin/ssl-visionlab" process \
   --stages faulty/build --settings faulty.json --input images >frames.jsonl 2>said.txt; then
   echo "nobody noticed the write out of range" >&2
   exit 1

@@ -46,6 +46,7 @@ limit_before=$(limit) || failed "the system's limit of receive buffers cannot be
 check "apt-get install ./${service##*/}" apt install "/root/${service##*/}"
 check "it is active and answers" eventually 5 is_active
 check "the system's limit of receive buffers is no lower than it was" test "$(limit)" -ge "$limit_before"
+check "ssl-visionctl passes laboratory commands on" eval 'ctl bench --help | grep "ssl-visionlab bench"'
 check "it is enabled" inside systemctl --quiet is-enabled "$unit"
 has_user() {
   is "$(inside ps -o user= -p "$(pid)" 2>/dev/null || inside stat -c %U "/proc/$(pid)")" ssl-visiond &&

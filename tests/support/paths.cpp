@@ -12,6 +12,9 @@ std::string daemon_program() {
 std::string ctl_program() {
   return SSLV_CTL;
 }
+std::string lab_program() {
+  return SSLV_LAB;
+}
 std::string fake_camera_program() {
   return SSLV_FAKE_CAMERA;
 }

@@ -14,6 +14,7 @@ std::string source_path(std::string_view below);
 
 std::string daemon_program();
 std::string ctl_program();
+std::string lab_program();
 std::string fake_camera_program();
 /// See hung_disk.cpp.
 std::string hung_disk_library();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "config/backends.h"
+#include "config/found_cameras_text.h"
 #include "ctl/commands/commands.h"
 #include "ctl/controls.h"
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/commands/command_line.h"
 
+#include "base/error.h"
+#include "base/plain_text.h"
+#include "config/version.h"
 #include "ctl/terminal_text.h"
-#include "settings/store.h"
 
 #include <cerrno>
 #include <cstdlib>
@@ -13,6 +15,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <sysexits.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -24,6 +27,16 @@ namespace {
 }
 
 }  // namespace
+
+CommandLine::CommandLine(const std::string& program, const std::string& description)
+    : app(description, program) {
+  app.set_version_flag("--version", program + " " + kVersion);
+  app.require_subcommand(1);
+  app.add_option("--daemon", daemon, "address of the daemon's panel")->capture_default_str();
+  app.add_option(
+      "--password-file", password_file,
+      "file with the daemon's password in its first line; else SSL_VISIOND_PASSWORD, else it is asked for");
+}
 
 std::string CommandLine::password() const {
   if (!password_file.empty()) {
@@ -55,6 +68,28 @@ std::string typed_secret(const std::string& prompt) {
 
 void CommandLine::on(CLI::App* command, std::function<int()> action) {
   command->callback([this, action = std::move(action)] { act = action; });
+}
+
+int CommandLine::parse_and_act(int argc, char** argv) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? EXIT_SUCCESS : EX_USAGE;
+  }
+  return act();
+}
+
+int CommandLine::run(int argc, char** argv) {
+  words = argv;
+  try {
+    return parse_and_act(argc, argv);
+  } catch (const SettingsError& error) {
+    std::cerr << app.get_name() << ": " << escaped_lines(error.what()) << "\n";
+    return EX_CONFIG;
+  } catch (const std::exception& error) {
+    std::cerr << app.get_name() << ": " << escaped_lines(error.what()) << "\n";
+    return EXIT_FAILURE;
+  }
 }
 
 void add_json_flag(CLI::App* command, bool& as_json) {

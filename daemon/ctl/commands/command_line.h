@@ -16,12 +16,16 @@
 
 namespace sslv {
 
-/// The command line, filled in by its commands. The options of a command live as long as the actions that
-/// share them.
+/// A program's command line, filled in by its commands. The options of a command live as long as the actions
+/// that share them.
 struct CommandLine {
-  CLI::App app{"Asks a running ssl-visiond, or runs its pipeline over files."};
+  /// With the options that all commands have.
+  CommandLine(const std::string& program, const std::string& description);
+
+  CLI::App app;
   std::string daemon = "http://127.0.0.1:8090";
   std::function<int()> act;  // the action of the given command; returns the exit code
+  char** words = nullptr;    // all words, from the program's name; set by run()
 
   std::filesystem::path password_file;
   std::shared_ptr<SignIn> sign_in = std::make_shared<SignIn>(SignIn{[this] { return password(); }});
@@ -31,7 +35,15 @@ struct CommandLine {
   std::string password() const;
   /// Runs `action` for a command once the whole command line is parsed.
   void on(CLI::App* command, std::function<int()> action);
+  /// Parses the words and acts. Prints what is wrong, after the program's name. Returns the exit code.
+  int run(int argc, char** argv);
+
+ private:
+  int parse_and_act(int argc, char** argv);
 };
+
+/// The command `completion`, of every program.
+void add_completion(CommandLine& line);
 
 void add_json_flag(CLI::App* command, bool& as_json);
 

@@ -36,21 +36,13 @@ void add_profiles(CommandLine& line);
 void add_history(CommandLine& line);
 void add_undo(CommandLine& line);
 
-// The pipeline over files, without a daemon.
-void add_process(CommandLine& line);
-void add_bench(CommandLine& line);
-void add_simulate(CommandLine& line);
-void add_score(CommandLine& line);
-void add_track(CommandLine& line);
-void add_annotate(CommandLine& line);
-void add_replay(CommandLine& line);
-void add_clip(CommandLine& line);
-
-void add_calibrate(CommandLine& line);  // with a daemon or without
+void add_calibrate(CommandLine& line);
 void add_learn_colours(CommandLine& line);
 void add_passwd(CommandLine& line);
 void add_match_lock(CommandLine& line);
-void add_match_log(CommandLine& line);  // with a daemon or without
-void add_completion(CommandLine& line);
+
+// What a running daemon records.
+void add_match_log(CommandLine& line);
+void add_clip(CommandLine& line);
 
 }  // namespace sslv

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/commands/commands.h"
+#include "ctl/commands/command_line.h"
 #include "ctl/completion.h"
 
 #include <cstdlib>
@@ -17,7 +17,7 @@ void add_completion(CommandLine& line) {
       ->required()
       ->check(CLI::IsMember({"bash", "zsh", "fish"}));
   line.on(command, [&line, shell] {
-    std::cout << completion_script(line.app, "ssl-visionctl", *shell);
+    std::cout << completion_script(line.app, *shell);
     return EXIT_SUCCESS;
   });
 }

@@ -52,7 +52,7 @@ class AprilTags {
   };
   AprilTags() { look_for(Family::k36h11); }
   // AprilTag allocates for each image, and needs more time for images with more edges. An example may do so;
-  // measure with `ssl-visionctl bench` whether a camera can afford it.
+  // measure with `ssl-visionlab bench` whether a camera can afford it.
   void process(const Params& params, const Scene& scene, const Mask& mask, const Image& image,
                Update<RobotList> robots, TagList& list, StageNotes& notes) noexcept {
     const ImageView& view = image.view();

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """train.py PATCHES TRUTH OUT: trains the network of learned_balls.
 
-PATCHES: the folder that record_patches wrote; TRUTH: the truth.jsonl of the same frames, from `ssl-visionctl
+PATCHES: the folder that record_patches wrote; TRUTH: the truth.jsonl of the same frames, from `ssl-visionlab
 simulate` or `annotate`; OUT: balls.onnx. Needs python3-numpy."""
 import json
 import pathlib

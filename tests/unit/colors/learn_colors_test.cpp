@@ -3,7 +3,7 @@
 
 #include "config/backends.h"
 #include "config/config.h"
-#include "ctl/no_sink.h"
+#include "lab/no_sink.h"
 #include "pipeline/camera_pipeline.h"
 #include "settings/store.h"
 #include "support/drawn_scene.h"

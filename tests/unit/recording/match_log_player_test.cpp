@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "recording/match_log_player.h"
 
-#include "ctl/match_log.h"
+#include "lab/match_log.h"
 #include "recording/match_log_writer.h"
 #include "ssl_gc_referee_message.pb.h"
 #include "support/temporary_folder.h"

@@ -2,9 +2,9 @@
 #include "replay/export_clip.h"
 
 #include "base/error.h"
-#include "ctl/score.h"
-#include "ctl/truth.h"
 #include "image/pixel_at.h"
+#include "lab/score.h"
+#include "lab/truth.h"
 #include "replay/png_file.h"
 #include "support/live_run.h"
 #include "support/temporary_folder.h"
