@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// ssl-visionctl: asks a running daemon. It links no engine: what runs without a daemon is in ssl-visionlab.
+// ssl-visionctl: queries and controls a running daemon. Links no engine: commands that need no daemon are in
+// ssl-visionlab.
 #include "ctl/commands/commands.h"
 #include "ctl/commands/laboratory.h"
 
@@ -41,7 +42,7 @@ void add_commands(CommandLine& line) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CommandLine line("ssl-visionctl", "Asks and changes a running ssl-visiond.");
+  CommandLine line("ssl-visionctl", "Queries and controls a running ssl-visiond.");
   add_commands(line);
   add_laboratory_commands(line, &line.app,
                           {"annotate", "bench", "process", "replay", "score", "simulate", "track"});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// ssl-visionlab: works on files without a daemon: calibrates, learns colours, replays; makes frames with
-// truth, and measures how good and how fast stacks are.
+// ssl-visionlab: works on files without a daemon: calibrates, learns colours and replays; simulates frames
+// with truth, and measures the accuracy and speed of stacks.
 #include "config/stages.h"
 #include "kit/sandbox/stage_process.h"
 #include "lab/commands/commands.h"

@@ -7,12 +7,12 @@
 
 namespace sslv {
 
-// What needs no service is in ssl-visionlab. Scripts may still call it as a part of ssl-visionctl, which it
-// once was: ssl-visionctl becomes the ssl-visionlab in the same folder, with the same words.
+// Commands that need no service are in ssl-visionlab. They were once in ssl-visionctl, and scripts may still
+// call them there: it replaces itself with the ssl-visionlab in the same folder, with the same arguments.
 
-/// Adds such commands, hidden, to the program or to one of its commands.
+/// Adds such commands, hidden from the help, to the program or to one of its commands.
 void add_laboratory_commands(CommandLine& line, CLI::App* parent, std::initializer_list<const char*> names);
-/// Adds --input, with which the command of the same name in ssl-visionlab takes over.
+/// Adds --input, which hands over to the command of the same name in ssl-visionlab.
 void add_laboratory_input(CommandLine& line, CLI::App* command);
 
 }  // namespace sslv
