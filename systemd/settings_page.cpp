@@ -114,7 +114,8 @@ stands for any entry of a list.
 has a field with simulated cameras and one with GigE cameras.
 .SH SEE ALSO
 .BR ssl\-visiond (8),
-.BR ssl\-visionctl (1)
+.BR ssl\-visionctl (1),
+.BR ssl\-visionlab (1)
 )");
 }
 

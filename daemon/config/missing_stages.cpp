@@ -62,8 +62,8 @@ std::string missing_text(const RunningStack& running) {
   }
   if (!running.idle.empty()) {
     const bool is_one = running.idle.size() == 1;
-    out += fmt::format("; {} depend{} on a missing stage and do{} not run either", quoted_list(running.idle),
-                       is_one ? "s" : "", is_one ? "es" : "");
+    out += fmt::format("; {} depend{} on a stage that does not run, and do{} not run either",
+                       quoted_list(running.idle), is_one ? "s" : "", is_one ? "es" : "");
   }
   return out;
 }
@@ -76,8 +76,11 @@ std::string missing_fix(const RunningStack& running) {
   if (running.missing.empty()) {
     out = "Correct the parameters, or remove the stage from the stack.";
   } else {
-    if (out.empty()) out = "No stage library provides it";
-    out += ". Install a matching library and restart the service, or remove the stage from the stack.";
+    const bool is_one = running.missing.size() == 1;
+    if (out.empty()) out = fmt::format("No stage library provides {}", is_one ? "it" : "them");
+    out += fmt::format(
+        ". Install a matching library and restart the service, or remove the stage{} from the stack.",
+        is_one ? "" : "s");
   }
   return out;
 }

@@ -9,8 +9,8 @@
 
 namespace sslv {
 
-/// For example "without the stage 'tags', which is not installed; 'aim' depends on a missing stage and does
-/// not run either". Empty if all stages run.
+/// For example "without the stage 'tags', which is not installed; 'aim' depends on a stage that does not run,
+/// and does not run either". Empty if all stages run.
 std::string missing_text(const RunningStack& running);
 
 /// Instructions for an admin, with the libraries that were left out and the reason for each.

@@ -172,7 +172,7 @@ ColorTable decode_runs(std::span<const std::uint8_t> runs, int bits, const std::
     at += length;
   }
   if (!reader.left().empty()) {
-    refuse_table(path, "has {} bytes after its last cell", reader.left().size());
+    refuse_table(path, "goes on after its last cell (bytes: {})", reader.left().size());
   }
   return table;
 }

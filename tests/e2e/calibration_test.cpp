@@ -162,7 +162,10 @@ TEST_F(Calibration, FromTheCommandLine) {
       run_to_end({ctl_program(), "--daemon", daemon.address(), "calibrate", "--camera", "7"});
   EXPECT_EQ(unknown.exit_code, 1);
   EXPECT_THAT(unknown.output, HasSubstr("no camera 7"));
-  EXPECT_EQ(run_to_end({ctl_program(), "calibrate", "--camera", "0", "--input", "x"}).exit_code, 64);
+  const auto both = run_to_end({ctl_program(), "calibrate", "--camera", "0", "--input", "x", "--field",
+                                "division-b", "--output", "o.json"});
+  EXPECT_EQ(both.exit_code, 64);
+  EXPECT_THAT(both.output, HasSubstr("--camera"));
   EXPECT_EQ(run_to_end({ctl_program(), "calibrate"}).exit_code, 64);
 }
 

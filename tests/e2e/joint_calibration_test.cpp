@@ -176,7 +176,7 @@ TEST_F(JointCalibration, FromTheCommandLine) {
                                   {"--together", "--points", "x"},
                                   {"--together", "--cameras", "0,x"},
                                   {"--camera", "0", "--cameras", "0,1"},
-                                  {"--input", "x", "--accept"}}) {
+                                  {"--input", "x", "--field", "division-b", "--output", "o", "--accept"}}) {
     std::vector<std::string> words{ctl_program(), "calibrate"};
     words.insert(words.end(), wrong_words.begin(), wrong_words.end());
     const auto refused = run_to_end(words);

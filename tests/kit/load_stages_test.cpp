@@ -171,7 +171,7 @@ TEST_F(LibraryFolder, SaysWhichProcessorAFileIsFor) {
   std::string bytes = bytes_of(library("counting"));
   bytes[18] = static_cast<char>(bytes[18] == '\xb7' ? 62 : 183);  // e_machine: x86-64 or aarch64
   put("other.so", bytes);
-  EXPECT_THAT(why(), testing::MatchesRegex("is made for (aarch64|x86-64), this program runs on .*"));
+  EXPECT_THAT(why(), testing::MatchesRegex("is made for (aarch64|x86-64); this program runs on .*"));
   bytes[4] = 1;  // 32 bits
   put("other.so", bytes);
   EXPECT_THAT(why(), StartsWith("is made for a 32-bit processor"));
@@ -191,7 +191,7 @@ TEST_F(LibraryFolder, NeedsTheKitsVersion) {
 
 TEST_F(LibraryFolder, NeedsTheSameCompilersAbi) {
   put("old.so", with_stamp(offsetof(StageStamp, compiler), std::string("PDP-11\0", 7)));
-  EXPECT_THAT(why(), StartsWith("is built with PDP-11, this program with "));
+  EXPECT_THAT(why(), StartsWith("is built with PDP-11, but this program with "));
 }
 
 TEST_F(LibraryFolder, SaysWhenOnlyTheAlignmentDiffers) {

@@ -102,7 +102,7 @@ TEST_F(StageTable, DropsAMissingStageAndItsDependents) {
   EXPECT_THAT(config.cameras[0].running.idle, ElementsAre("find_runs", "find_regions", "publish"));
   EXPECT_EQ(missing_text(config.cameras[0].running),
             "without the stage 'gone', which is not installed; 'find_runs', 'find_regions' and 'publish' "
-            "depend on a missing stage and do not run either");
+            "depend on a stage that does not run, and do not run either");
   EXPECT_THAT(missing_fix(config.cameras[0].running),
               HasSubstr("taken_name.so has a stage 'threshold', but another stage"));
   const Json tree = complete_settings(settings);

@@ -46,6 +46,8 @@ limit_before=$(limit) || failed "the system's limit of receive buffers cannot be
 check "apt-get install ./${service##*/}" apt install "/root/${service##*/}"
 check "it is active and answers" eventually 5 is_active
 check "the system's limit of receive buffers is no lower than it was" test "$(limit)" -ge "$limit_before"
+check "ssl-visionlab has a page and completion" inside test -e /usr/share/man/man1/ssl-visionlab.1.gz -a \
+  -e /usr/share/bash-completion/completions/ssl-visionlab
 check "ssl-visionctl passes laboratory commands on" eval 'ctl bench --help | grep "ssl-visionlab bench"'
 check "it is enabled" inside systemctl --quiet is-enabled "$unit"
 has_user() {

@@ -46,7 +46,7 @@ constexpr std::array kFeatures{
     FeatureRow{DC1394_FEATURE_TRIGGER_DELAY, "trigger_delay", "Trigger delay", "Timing", "s", kExpert, ""},
     FeatureRow{DC1394_FEATURE_TRIGGER, "trigger", "Trigger", "Timing", "", kExpert, ""},
     FeatureRow{DC1394_FEATURE_TEMPERATURE, "temperature", "Temperature", "Image", "", kExpert,
-               "desired for the sensor"},
+               "target temperature of the sensor"},
     FeatureRow{DC1394_FEATURE_CAPTURE_SIZE, "capture_size", "Capture size", "Image", "", kExpert, ""},
     FeatureRow{DC1394_FEATURE_CAPTURE_QUALITY, "capture_quality", "Capture quality", "Image", "", kExpert,
                ""},

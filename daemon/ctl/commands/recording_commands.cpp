@@ -31,7 +31,6 @@ std::string written_clip(const Client& client) {
 void add_match_log(CommandLine& line) {
   auto* group = line.app.add_subcommand("match-log", "record matches");
   group->require_subcommand(1);
-  add_laboratory_commands(line, group, {"convert", "info", "play", "repair"});
   struct Options {
     std::string name;
     bool as_json = false;
@@ -58,12 +57,12 @@ void add_match_log(CommandLine& line) {
     line.client().post("/api/recordings/match-log", {{"record", false}});
     return EXIT_SUCCESS;
   });
+  add_laboratory_commands(line, group, {"convert", "info", "play", "repair"});
 }
 
 void add_clip(CommandLine& line) {
   auto* group = line.app.add_subcommand("clip", "keep clips: the last seconds' raw frames");
   group->require_subcommand(1);
-  add_laboratory_commands(line, group, {"export", "info"});
   struct KeepOptions {
     std::string name;
     double seconds = 0, seconds_after = 0;
@@ -91,6 +90,7 @@ void add_clip(CommandLine& line) {
     std::cout << written_clip(line.client()) << "\n";
     return EXIT_SUCCESS;
   });
+  add_laboratory_commands(line, group, {"export", "info"});
 }
 
 }  // namespace sslv

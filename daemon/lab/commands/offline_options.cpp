@@ -63,7 +63,8 @@ std::size_t CameraChoice::index_in(const Config& config) const {
     if (config.cameras[i].id == camera_id) return i;
     known += (known.empty() ? "" : ", ") + std::to_string(config.cameras[i].id);
   }
-  throw SettingsError(fmt::format("{}: has no camera {}; known: {}", settings_file, camera_id, known));
+  throw SettingsError(fmt::format("{}: has no camera {}; known: {}", settings_file, camera_id,
+                                  known.empty() ? "none" : known));
 }
 
 void RawFormat::add_to(CLI::App* command) {

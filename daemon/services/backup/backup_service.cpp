@@ -78,7 +78,7 @@ class BackupService::Restored final : public SavedWith {
       std::error_code error;
       earlier_ ? folder_.write(file(), *earlier_) : (void)std::filesystem::remove(file(), error);
     } catch (const std::exception& error) {
-      log::error("the backup made before a refused restore was not undone: {}", error.what());
+      log::error("the backup from before the previous restore was not put back: {}", error.what());
     }
   }
 

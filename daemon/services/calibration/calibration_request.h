@@ -17,7 +17,7 @@ namespace sslv {
 struct ForceOption {
   bool force = false;
   static constexpr auto fields() {
-    return std::tuple{flag("force", &ForceOption::force, "even where it would be refused")};
+    return std::tuple{flag("force", &ForceOption::force, "do it even if it would otherwise be refused")};
   }
 };
 

@@ -268,7 +268,7 @@ void report_coverage(const VerdictFacts& facts, HealthReport& report) {
   add(report, {.id = "field_uncovered",
                .check = "coverage",
                .severity = share > kUncoveredBadShare ? Severity::kBad : Severity::kWarn,
-               .title = fmt::format("No camera sees {:.0f} % of the field, around {}", 100 * share,
+               .title = fmt::format("{:.0f} % of the field, around {}, is seen by no camera", 100 * share,
                                     place_text(sum / static_cast<double>(uncovered.size()))),
                .fix = "Turn the cameras, use wider lenses, or remove masks that cover the field.",
                .page = "#/field"});

@@ -42,17 +42,14 @@ class AprilTags {
       return std::tuple{
           choice("family", &Params::family, kFamilies, "tag family to detect"),
           number("decimate", &Params::decimate, 1.0, 4.0, "", "image scale divisor for edge detection"),
-          number("min_margin", &Params::min_margin, 0.0, 255.0, "",
-                 "minimum contrast of a tag's bits, grey levels"),
-          number("height_mm", &Params::height_mm, 0.0, 10'000.0, "mm",
-                 "height of tags that are not on robots"),
+          number("min_margin", &Params::min_margin, 0.0, 255.0, "", "minimum contrast of the bits"),
+          number("height_mm", &Params::height_mm, 0.0, 10'000.0, "mm", "height of other tags"),
           choice("team", &Params::team, kTeams, "team whose robots wear tags; null: no team"),
           range("robot_tags", &Params::robot_tags, 0, 586, "", "tag ids of robots; the first is on robot 0")};
     }
   };
   AprilTags() { look_for(Family::k36h11); }
-  // AprilTag allocates for each image, and needs more time for images with more edges. An example may do so;
-  // measure with `ssl-visionlab bench` whether a camera can afford it.
+  // AprilTag allocates for each image: `ssl-visionlab bench` shows whether a camera can afford it.
   void process(const Params& params, const Scene& scene, const Mask& mask, const Image& image,
                Update<RobotList> robots, TagList& list, StageNotes& notes) noexcept {
     const ImageView& view = image.view();

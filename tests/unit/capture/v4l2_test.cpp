@@ -456,7 +456,8 @@ TEST_F(V4l2, SaysWhichCamerasThereAre) {
             "camera \"A1\": not found; available: \"usb-1\" (Fake Camera), \"usb-2\" (Fake Camera), "
             "\"usb-3\" (Fake Camera)");
   EXPECT_EQ(refusal({{"camera", "same"}}),
-            "camera \"same\": 2 have this name; use one of \"usb-1\" (Fake Camera), \"usb-2\" (Fake Camera)");
+            "camera \"same\": 2 cameras have this name; use one of \"usb-1\" (Fake Camera), \"usb-2\" (Fake "
+            "Camera)");
   EXPECT_EQ(refusal({{"camera", "/dev/nothing"}}), "camera \"/dev/nothing\": No such file or directory");
   cameras_.at(path_of(2))->capabilities = V4L2_CAP_META_CAPTURE | V4L2_CAP_STREAMING;
   EXPECT_EQ(refusal({{"camera", path_of(2)}}),
@@ -473,10 +474,10 @@ TEST_F(V4l2, DevicesOfOneCameraAreToldApartByTheirLinks) {
   fs::create_directories(root_ / "dev/v4l/by-path");
   fs::create_symlink(path_of(0), root_ / "dev/v4l/by-path/usb-1-index0");
   fs::create_symlink(path_of(1), root_ / "dev/v4l/by-path/usb-1-index2");
-  EXPECT_EQ(
-      refusal({{"camera", "A1"}}),
-      "camera \"A1\": 2 have this name; use one of \"usb-1-index0\" (Fake Camera), \"usb-1-index2\" (Fake "
-      "Camera)");
+  EXPECT_EQ(refusal({{"camera", "A1"}}),
+            "camera \"A1\": 2 cameras have this name; use one of \"usb-1-index0\" (Fake Camera), "
+            "\"usb-1-index2\" (Fake "
+            "Camera)");
   const auto source = open({{"camera", "usb-1-index2"}});
   EXPECT_TRUE(cameras_.at(path_of(1))->streams());
 }

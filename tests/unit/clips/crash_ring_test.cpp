@@ -198,9 +198,9 @@ TEST(CrashRing, IsThereAgainWhenItWasPutBack) {
 }
 
 TEST(CrashRing, RefusesInvalidMemory) {
-  EXPECT_THAT(why_not_read(OpenFile(::open("/dev/null", O_RDWR))), HasSubstr("no memory"));
+  EXPECT_THAT(why_not_read(OpenFile(::open("/dev/null", O_RDWR))), HasSubstr("not an image ring"));
   OpenFile small(::memfd_create("test", MFD_CLOEXEC | MFD_ALLOW_SEALING));
-  EXPECT_THAT(why_not_read(OpenFile(::dup(small.fd()))), HasSubstr("no memory")) << "it may shrink";
+  EXPECT_THAT(why_not_read(OpenFile(::dup(small.fd()))), HasSubstr("not an image ring")) << "it may shrink";
   ASSERT_EQ(::fcntl(small.fd(), F_ADD_SEALS, F_SEAL_SHRINK), 0);
   EXPECT_THAT(why_not_read(std::move(small)), HasSubstr("too small"));
 

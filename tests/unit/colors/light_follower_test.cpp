@@ -269,7 +269,7 @@ TEST(LightFollower, CanBeRevertedAndSwitchedOff) {
   EXPECT_EQ(hall.follower_.new_table(), hall.follower_.accepted());
   hall.look(0.7, 6);
   expect_gain(hall.state(), 1, 1, 1, 0);
-  EXPECT_THAT(hall.state().why, HasSubstr("taken back"));
+  EXPECT_THAT(hall.state().why, HasSubstr("returned to the accepted table"));
 
   hall.params_.enabled = false;
   hall.look(0.7, 1);

@@ -59,9 +59,10 @@ TEST(SettingsEdit, TellsWhatChanged) {
 
 TEST(SettingsSchema, IsATableOfWhatCanBeSet) {
   const Json schema = settings_schema();
-  EXPECT_EQ(schema_text(schema, "/field/field_length"),
-            "key                  type     range          unit  help\n"
-            "/field/field_length  integer  100 .. 100000  mm    between the centres of the goal lines\n");
+  EXPECT_EQ(
+      schema_text(schema, "/field/field_length"),
+      "key                  type     range          unit  help\n"
+      "/field/field_length  integer  100 .. 100000  mm    distance between the centres of the goal lines\n");
   EXPECT_THAT(schema_text(schema, "/teams"),
               AllOf(HasSubstr("/teams/yellow/ids "), HasSubstr("array of integer  0 .. 255"),
                     Not(HasSubstr("/field"))));

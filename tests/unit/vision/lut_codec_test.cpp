@@ -118,7 +118,7 @@ TEST(LutCodec, SaysWhatIsWrongWithAFile) {
   }
   Bytes longer = good;
   longer.push_back(0);
-  EXPECT_THAT(error_of(longer), HasSubstr("has 1 bytes after its last cell"));
+  EXPECT_THAT(error_of(longer), HasSubstr("goes on after its last cell (bytes: 1)"));
 
   const Bytes head{'S', 'S', 'L', 'V', 'L', 'U', 'T', '2', 5, 1, 0, 5, 'c', 'l', 'e', 'a', 'r'};
   const auto with = [&](const Bytes& runs) {

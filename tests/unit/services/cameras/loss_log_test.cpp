@@ -45,13 +45,13 @@ TEST(LossLog, LogsALossThenOnceAMinuteThenItsEnd) {
   EXPECT_THAT(
       lines.said,
       ElementsAre(Line{20,
-                       "30 of 600 images lost in the last 10 s: 20 were not processed in time, 10 came "
+                       "30 of 600 images lost in the last 10 s: 20 were not processed in time, 10 arrived "
                        "damaged"},
                   Line{80,
-                       "180 of 3600 images lost in the last 60 s: 120 were not processed in time, 60 came "
+                       "180 of 3600 images lost in the last 60 s: 120 were not processed in time, 60 arrived "
                        "damaged"},
                   Line{140,
-                       "60 of 3600 images lost in the last 60 s: 40 were not processed in time, 20 came "
+                       "60 of 3600 images lost in the last 60 s: 40 were not processed in time, 20 arrived "
                        "damaged"},
                   Line{200, "no image lost in the last 100 s; 270 were lost in the 90 s before"}));
   EXPECT_THAT(lines.ends, ElementsAre(false, false, false, true));

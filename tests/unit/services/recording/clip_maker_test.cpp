@@ -164,7 +164,7 @@ TEST_F(ClipMakerTest, AClipWithoutFramesIsDeleted) {
   ClipOrder order = order_of("kept");
   order.begin_s = order.end_s;
   const ClipProgress made = make(live(), order);
-  EXPECT_EQ(made.problem, "no camera has images of that time in memory");
+  EXPECT_EQ(made.problem, "no camera has images from that time in memory");
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
 }
 

@@ -34,7 +34,7 @@ describe('a .lut file', () => {
     expect([...table.labels.subarray(0, 3)]).toEqual([5, 0, 0]);
   });
   it('is refused when it is damaged', () => {
-    expect(() => decodeTable(new TextEncoder().encode('SSLVLUT1').buffer)).toThrow('no .lut file');
+    expect(() => decodeTable(new TextEncoder().encode('SSLVLUT1').buffer)).toThrow('not a .lut file');
     expect(() => decodeTable(lut(9, [], []))).toThrow('9 bits');
     expect(() => decodeTable(lut(5, [], [0, 10]))).toThrow('10 labels instead of 32768');
     expect(() => decodeTable(lut(5, [], [0, 0xff]))).toThrow('cut short');
