@@ -74,7 +74,7 @@ describe('stage libraries', () => {
     assert.deepEqual(more, []);
     assert.equal(alert.title, "Camera 0 runs without the stages 'count_balls' and 'tell_balls', which are not installed");
     assert.equal(alert.camera, 0);
-    assert.match(alert.fix, /No stage library provides it\. /);
+    assert.match(alert.fix, /No stage library provides them\. /);
 
     const { settings } = await ask('api/settings');
     assert.deepEqual(settings.cameras[0].stack, STACK);
