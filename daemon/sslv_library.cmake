@@ -23,6 +23,16 @@ function(sslv_batches target)
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
+# For a room without work per pixel or per robot: it compiles in two thirds of the time.
+function(sslv_compile_quickly target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:RelWithDebInfo>:-O1>)
+endfunction()
+
+# For a room full of Eigen: GCC compiles its expressions faster in small batches.
+function(sslv_small_batches target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE 8)
+endfunction()
+
 function(sslv_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;ALONE;LINKS;PRIVATE_LINKS")
   if(arg_UNPARSED_ARGUMENTS)
