@@ -57,22 +57,8 @@ class GlBuffer {
   GlName name_{[](GLuint name) { glDeleteBuffers(1, &name); }};
 };
 
-/// A 2D integer texture without filtering.
-class GlTexture {
- public:
-  /// Binds the texture to a unit with this format and size; a change of format or size discards the contents.
-  void bind(int unit, GLenum format, int width, int height);
-  GLuint name() const { return name_.get(); }
-
- private:
-  GLenum format_ = 0;
-  int width_ = 0, height_ = 0;
-  GlName name_{[](GLuint name) { glDeleteTextures(1, &name); }};
-};
-
-/// Builds a program from one compute shader, or from a vertex and a fragment shader. Empty if the driver
-/// rejects the GLSL; `problem` is then the driver's message.
+/// Builds a program from a compute shader. Empty if the driver rejects the GLSL; `problem` is then the
+/// driver's message.
 GlName compute_program(const std::string& shader, std::string& problem);
-GlName fragment_program(const std::string& vertex, const std::string& fragment, std::string& problem);
 
 }  // namespace sslv

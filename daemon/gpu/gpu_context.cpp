@@ -97,7 +97,7 @@ bool GpuContext::open(void* display, const std::string& way, std::string& tried)
   const char* extensions = eglQueryString(display_, EGL_EXTENSIONS);
   if (!has(extensions, "EGL_KHR_surfaceless_context") || !has(extensions, "EGL_KHR_create_context"))
     return failed("supports no contexts without a surface");
-  if (!make_context()) return failed("has no OpenGL ES 3, " + egl_error());
+  if (!make_context()) return failed("has no OpenGL ES 3.1, " + egl_error());
   const Use use(*this);
   if (!use) return failed("its context cannot be used, " + egl_error());
   describe(way);
@@ -116,18 +116,16 @@ bool GpuContext::make_context() {
   }
   if (!eglBindAPI(EGL_OPENGL_ES_API)) return false;
   const bool tells_resets = has(extensions, "EGL_EXT_create_context_robustness");
-  for (const EGLint minor : {1, 0}) {
-    for (const bool robust : {true, false}) {
-      if (robust && !tells_resets) continue;
-      std::vector<EGLint> attributes{EGL_CONTEXT_MAJOR_VERSION_KHR, 3, EGL_CONTEXT_MINOR_VERSION_KHR, minor};
-      if (robust) {
-        attributes.insert(attributes.end(), {EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY_EXT,
-                                             EGL_LOSE_CONTEXT_ON_RESET_EXT});
-      }
-      attributes.push_back(EGL_NONE);
-      context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, attributes.data());
-      if (context_ != EGL_NO_CONTEXT) return true;
+  for (const bool robust : {true, false}) {
+    if (robust && !tells_resets) continue;
+    std::vector<EGLint> attributes{EGL_CONTEXT_MAJOR_VERSION_KHR, 3, EGL_CONTEXT_MINOR_VERSION_KHR, 1};
+    if (robust) {
+      attributes.insert(attributes.end(),
+                        {EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY_EXT, EGL_LOSE_CONTEXT_ON_RESET_EXT});
     }
+    attributes.push_back(EGL_NONE);
+    context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, attributes.data());
+    if (context_ != EGL_NO_CONTEXT) return true;
   }
   return false;
 }
@@ -138,10 +136,6 @@ void GpuContext::describe(const std::string& way) {
   is_software_ = false;
   for (const std::string_view program : {"llvmpipe", "softpipe", "SWR", "SwiftShader"})
     is_software_ = is_software_ || name_.find(program) != std::string::npos;
-  GLint major = 0, minor = 0;
-  glGetIntegerv(GL_MAJOR_VERSION, &major);
-  glGetIntegerv(GL_MINOR_VERSION, &minor);
-  has_compute_ = major > 3 || (major == 3 && minor >= 1);
   const char* extensions = gl_text(GL_EXTENSIONS);
   has_timer_ = has(extensions, "GL_EXT_disjoint_timer_query");
   reset_status_ = nullptr;

@@ -16,7 +16,8 @@ struct GpuError : std::runtime_error {
 /// may create the context and another thread use it later.
 class GpuContext {
  public:
-  /// Throws GpuError if no EGL display provides a context of OpenGL ES 3.0 or later.
+  /// Throws GpuError if no EGL display provides a context of OpenGL ES 3.1 or later, which has compute
+  /// shaders.
   GpuContext();
   ~GpuContext();
   GpuContext(const GpuContext&) = delete;
@@ -43,8 +44,6 @@ class GpuContext {
   const std::string& renderer() const { return renderer_; }
   /// Whether rendering runs on the CPU.
   bool is_software() const { return is_software_; }
-  /// Whether there are compute shaders (OpenGL ES 3.1).
-  bool has_compute() const { return has_compute_; }
   bool has_timer() const { return has_timer_; }
 
   /// The problem since the last call, in a few words; empty if there was none. Needs a Use.
@@ -69,7 +68,7 @@ class GpuContext {
   void* context_ = nullptr;
   ResetStatus reset_status_ = nullptr;  // null if the driver does not report resets
   std::string name_, renderer_;
-  bool is_software_ = false, has_compute_ = false, has_timer_ = false, is_lost_ = false;
+  bool is_software_ = false, has_timer_ = false, is_lost_ = false;
 };
 
 }  // namespace sslv

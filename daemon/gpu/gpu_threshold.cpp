@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
-#include <variant>
 
 #include <EGL/egl.h>
 
@@ -73,15 +72,6 @@ TableView table_for(const Lut& lut, PixelFormat format) {
   return {lut.id(), is_rgb(format), table.bits, table.labels};
 }
 
-/// GL objects and programs, destroyed with the context.
-struct GpuThreshold::Pass {
-  using Way = std::variant<ComputeThreshold, FragmentThreshold>;
-  explicit Pass(Path path)
-      : way(path == Path::kCompute ? Way(std::in_place_type<ComputeThreshold>)
-                                   : Way(std::in_place_type<FragmentThreshold>)) {}
-  Way way;
-};
-
 /// Measures shader time with the GPU's own clock.
 struct GpuThreshold::Timer {
   GlName query{[](GLuint name) { glDeleteQueries(1, &name); }};
@@ -111,9 +101,7 @@ struct GpuThreshold::Timer {
   }
 };
 
-GpuThreshold::GpuThreshold(GpuContext& context, Path path) : context_(context), path_(path) {
-  if (path == Path::kCompute && !context.has_compute())
-    throw GpuError("no compute shaders: " + context.renderer());
+GpuThreshold::GpuThreshold(GpuContext& context) : context_(context) {
   const GpuContext::Use use(context_);
   if (!use) throw GpuError("the context is lost or in use: " + context.renderer());
   start_again();
@@ -130,7 +118,7 @@ GpuThreshold::~GpuThreshold() {
 
 void GpuThreshold::start_again() {
   loaded_.reset();
-  pass_ = std::make_unique<Pass>(path_);
+  pass_ = std::make_unique<ThresholdPass>();
 }
 
 bool GpuThreshold::fail(std::string problem) {
@@ -146,11 +134,10 @@ bool GpuThreshold::set_lut(const Lut& lut, PixelFormat format) noexcept {
 
 bool GpuThreshold::load(const TableView& table, PixelFormat format) {
   std::string problem;
-  if (!std::visit([&](auto& way) { return way.prepare(format, table.bits, problem); }, pass_->way))
-    return fail(std::move(problem));
+  if (!pass_->prepare(format, table.bits, problem)) return fail(std::move(problem));
   const std::pair wanted{table.lut_id, table.is_rgb};
   if (loaded_ == wanted) return true;
-  std::visit([&](auto& way) { way.load(table.labels); }, pass_->way);
+  pass_->load(table.labels);
   problem = context_.take_problem();
   if (problem.empty()) {
     loaded_ = wanted;
@@ -171,8 +158,7 @@ bool GpuThreshold::process(const TableView& table, const Mask* mask, const Image
   if (steps != nullptr) *steps = {};
   if (labels.labels.empty()) return true;
   const GroupedImage grouped{view.format, (labels.width + kCellsAGroup - 1) / kCellsAGroup, labels.height};
-  if (!std::visit([&](const auto& way) { return way.takes(grouped); }, pass_->way))
-    return fail("the image is too large for this GPU");
+  if (!pass_->takes(grouped)) return fail("the image is too large for this GPU");
   if (!load(table, view.format)) return false;
   const bool is_made = make_labels(grouped, mask, view, labels, steps, rows);
   std::string problem = context_.take_problem();
@@ -192,24 +178,20 @@ bool GpuThreshold::make_labels(const GroupedImage& grouped, const Mask* mask, co
     steps->*member = now - before;
     before = now;
   };
-  const auto make = [&](auto& way) {
-    std::uint8_t* memory = way.image_memory(grouped);
-    if (memory == nullptr) return fail("the GPU provided no memory for the image");
-    copy_rows(view, used_row_bytes(view, labels), grouped, memory, rows);
-    if (!way.upload(grouped)) return fail("the upload of the image failed");
-    step(&Steps::upload);
-    if (steps != nullptr && timer_) timer_->begin();
-    way.run(grouped);
-    if (steps != nullptr && timer_) timer_->end();
-    step(&Steps::shader);
-    const std::uint8_t* found = way.labels(grouped);
-    if (found == nullptr) return fail("the GPU provided no labels");
-    copy_labels(mask, found, grouped.label_row_bytes(), labels);
-    if (!way.release_labels()) return fail("the read-back of the labels failed");
-    step(&Steps::read_back);
-    return true;
-  };
-  if (!std::visit(make, pass_->way)) return false;
+  std::uint8_t* memory = pass_->image_memory(grouped);
+  if (memory == nullptr) return fail("the GPU provided no memory for the image");
+  copy_rows(view, used_row_bytes(view, labels), grouped, memory, rows);
+  if (!pass_->upload(grouped)) return fail("the upload of the image failed");
+  step(&Steps::upload);
+  if (steps != nullptr && timer_) timer_->begin();
+  pass_->run(grouped);
+  if (steps != nullptr && timer_) timer_->end();
+  step(&Steps::shader);
+  const std::uint8_t* found = pass_->labels(grouped);
+  if (found == nullptr) return fail("the GPU provided no labels");
+  copy_labels(mask, found, grouped.label_row_bytes(), labels);
+  if (!pass_->release_labels()) return fail("the read-back of the labels failed");
+  step(&Steps::read_back);
   if (steps != nullptr && timer_) steps->shader = timer_->elapsed(steps->shader);
   return true;
 }

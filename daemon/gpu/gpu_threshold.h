@@ -19,6 +19,7 @@
 namespace sslv {
 
 struct GroupedImage;
+class ThresholdPass;
 
 /// View of the labels of one colour table, in LutTable's order: a Lut's own labels or a copy.
 struct TableView {
@@ -34,21 +35,14 @@ TableView table_for(const Lut& lut, PixelFormat format);
 /// mask.
 class GpuThreshold {
  public:
-  enum class Path : std::uint8_t {
-    kCompute,   // OpenGL ES 3.1
-    kFragment,  // OpenGL ES 3.0
-  };
   /// Durations of the steps for one image. A measurement waits between the steps, so their sum exceeds the
   /// time of an unmeasured image.
   struct Steps {
     std::chrono::nanoseconds upload, shader, read_back;
   };
 
-  /// `context` must outlive this object. Throws GpuError if the context does not support this path.
-  GpuThreshold(GpuContext& context, Path path);
-  /// Uses compute shaders if available.
-  explicit GpuThreshold(GpuContext& context)
-      : GpuThreshold(context, context.has_compute() ? Path::kCompute : Path::kFragment) {}
+  /// `context` must outlive this object. Throws GpuError if the context is lost or in use.
+  explicit GpuThreshold(GpuContext& context);
   ~GpuThreshold();
 
   /// Optional: uploads the table and builds the program before the first image of this format. Returns false
@@ -67,12 +61,10 @@ class GpuThreshold {
   bool process(const TableView& table, const Mask* mask, const ImageView& view, LabelImage& labels,
                Steps* steps = nullptr, const RowsThere* rows = nullptr) noexcept;
 
-  Path path() const { return path_; }
   /// The reason of the last failed call, in a few words.
   const std::string& problem() const { return problem_; }
 
  private:
-  struct Pass;
   struct Timer;
   bool fail(std::string problem);
   void start_again();
@@ -81,8 +73,7 @@ class GpuThreshold {
                    Steps* steps, const RowsThere* rows);
 
   GpuContext& context_;
-  Path path_;
-  std::unique_ptr<Pass> pass_;
+  std::unique_ptr<ThresholdPass> pass_;  // destroyed with the context
   std::unique_ptr<Timer> timer_;
   /// The table in the GPU's memory: its Lut's id, and whether it is the RGB table.
   std::optional<std::pair<std::uint64_t, bool>> loaded_;

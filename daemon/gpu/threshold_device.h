@@ -32,7 +32,7 @@ class ThresholdDevice {
 /// Opens a device. Throws GpuError with one line if there is none. May take seconds.
 using OpenDevice = std::function<std::unique_ptr<ThresholdDevice>()>;
 
-/// This computer's GPU, with compute shaders if available.
+/// This computer's GPU.
 std::unique_ptr<ThresholdDevice> open_gpu();
 
 }  // namespace sslv

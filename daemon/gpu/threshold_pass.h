@@ -47,13 +47,11 @@ class ThresholdPrograms {
   std::array<std::array<Program, 2>, static_cast<std::size_t>(PixelFormat::kBayerBg8) + 1> programs_;
 };
 
-// The following two classes have the same functions, which need a current context. GpuContext::take_problem()
-// reports GL errors.
-
-/// A compute shader over buffers (OpenGL ES 3.1).
-class ComputeThreshold {
+/// A compute shader over buffers. Every function needs a current context; GpuContext::take_problem() reports
+/// GL errors.
+class ThresholdPass {
  public:
-  ComputeThreshold();
+  ThresholdPass();
   /// Whether this GPU supports an image of this size.
   bool takes(const GroupedImage& image) const;
   bool prepare(PixelFormat format, int bits, std::string& problem);
@@ -74,30 +72,6 @@ class ComputeThreshold {
   GlBuffer image_{GL_SHADER_STORAGE_BUFFER, GL_STREAM_DRAW};
   GlBuffer table_{GL_SHADER_STORAGE_BUFFER, GL_STATIC_DRAW};
   GlBuffer labels_{GL_SHADER_STORAGE_BUFFER, GL_STREAM_READ};
-};
-
-/// A fragment shader over textures (OpenGL ES 3.0).
-class FragmentThreshold {
- public:
-  FragmentThreshold();
-  bool takes(const GroupedImage& image) const;
-  bool prepare(PixelFormat format, int bits, std::string& problem);
-  void load(std::span<const Label> table);
-  std::uint8_t* image_memory(const GroupedImage& image);
-  bool upload(const GroupedImage& image);
-  void run(const GroupedImage& image);
-  const std::uint8_t* labels(const GroupedImage& image);
-  bool release_labels();
-
- private:
-  ThresholdPrograms programs_;
-  std::size_t most_texels_;  // maximum width and height of a texture
-  GLuint program_ = 0;
-  GlName frame_{[](GLuint name) { glDeleteFramebuffers(1, &name); }};
-  GlTexture image_, table_, labels_;
-  int table_rows_ = 0;
-  GlBuffer unpack_{GL_PIXEL_UNPACK_BUFFER, GL_STREAM_DRAW};
-  GlBuffer pack_{GL_PIXEL_PACK_BUFFER, GL_STREAM_READ};
 };
 
 }  // namespace sslv

@@ -8,7 +8,7 @@
 namespace sslv {
 namespace {
 
-/// Each path defines its own `table_word(i)` and `texel(i)`; `a`, `b` and `c` as in LutTable.
+/// `a`, `b` and `c` as in LutTable.
 constexpr std::string_view kLookUp = R"(
 uint look(uint a, uint b, uint c) {
   uint cell = ((a >> SHIFT) << (2u * BITS)) | ((b >> SHIFT) << BITS) | (c >> SHIFT);
@@ -98,7 +98,7 @@ std::string constants(PixelFormat format, int bits) {
 
 }  // namespace
 
-std::string threshold_compute_shader(PixelFormat format, int bits) {
+std::string threshold_shader(PixelFormat format, int bits) {
   return fmt::format("#version 310 es\nprecision highp int;\n{}#define WORK_GROUP {}\n",
                      constants(format, bits), kWorkGroup) +
          fmt::format("#define IMAGE {}\n#define TABLE {}\n#define LABELS {}\n", kImageBuffer, kTableBuffer,
@@ -125,33 +125,6 @@ void main() {
   here = uint(TEXELS) * group;
 #endif
   labels[group] = group_labels();
-}
-)";
-}
-
-std::string threshold_vertex_shader() {
-  return R"(#version 300 es
-void main() {
-  gl_Position = vec4(float((gl_VertexID & 1) * 4 - 1), float((gl_VertexID & 2) * 2 - 1), 0.0, 1.0);
-}
-)";
-}
-
-std::string threshold_fragment_shader(PixelFormat format, int bits) {
-  return fmt::format(
-             "#version 300 es\nprecision highp int;\nprecision highp float;\nprecision highp usampler2D;\n") +
-         constants(format, bits) + fmt::format("#define TABLE_WIDTH {}u\n", kTableTextureWidth) + R"(
-uniform usampler2D image, table;
-out uvec4 labels;
-ivec2 here;  // first texel of the group
-uvec4 texel(int i) { return texelFetch(image, here + ivec2(i, 0), 0); }
-uvec4 lower_texel(int i) { return texelFetch(image, here + ivec2(i, 1), 0); }
-uint table_word(uint i) { return texelFetch(table, ivec2(i % TABLE_WIDTH, i / TABLE_WIDTH), 0).r; }
-)" + std::string(kLookUp) +
-         group_labels(format) + R"(
-void main() {
-  here = ivec2(gl_FragCoord.xy) * ivec2(TEXELS, ROWS);
-  labels = group_labels();
 }
 )";
 }

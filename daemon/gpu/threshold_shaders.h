@@ -7,7 +7,7 @@
 
 namespace sslv {
 
-// Both paths label groups of 16 cells of one row. A group's pixels and its labels each fill whole texels of
+// The shader labels groups of 16 cells of one row. A group's pixels and its labels each fill whole texels of
 // 16 bytes (four words). Words are little-endian, as on the CPU. All arithmetic is in integers, so that every
 // GPU gives the CPU's results.
 inline constexpr int kCellsAGroup = 16, kTexelBytes = 16;
@@ -25,13 +25,8 @@ constexpr int rows_a_cell(PixelFormat format) {
 inline constexpr int kWorkGroup = 128;
 /// Bindings of the shader storage buffers.
 inline constexpr int kImageBuffer = 0, kTableBuffer = 1, kLabelBuffer = 2;
-/// Words of a table per row of its texture: the largest texture width that every GPU supports.
-inline constexpr int kTableTextureWidth = 2048;
 
 /// GLSL ES 3.10, over buffers. Uniforms: group_count, groups_a_row. The table has `bits` per channel.
-std::string threshold_compute_shader(PixelFormat format, int bits);
-/// GLSL ES 3.00: a triangle over the whole target; textures `image` and `table`, one fragment per group.
-std::string threshold_vertex_shader();
-std::string threshold_fragment_shader(PixelFormat format, int bits);
+std::string threshold_shader(PixelFormat format, int bits);
 
 }  // namespace sslv

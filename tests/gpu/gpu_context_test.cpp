@@ -68,16 +68,6 @@ TEST_F(GpuContextTest, SaysWhatItIs) {
   EXPECT_EQ(eglGetCurrentContext(), EGL_NO_CONTEXT) << "only while it is used";
 }
 
-TEST_F(GpuContextTest, TakesComputeShadersWhereThereAreAny) {
-  using Path = GpuThreshold::Path;
-  EXPECT_EQ(context().has_compute(), context().renderer().find("OpenGL ES 3.0") == std::string::npos);
-  EXPECT_EQ(GpuThreshold(context()).path(), context().has_compute() ? Path::kCompute : Path::kFragment);
-  EXPECT_EQ(GpuThreshold(context(), Path::kFragment).path(), Path::kFragment);
-  if (!context().has_compute()) {
-    EXPECT_THROW(GpuThreshold(context(), Path::kCompute), GpuError);
-  }
-}
-
 TEST_F(GpuContextTest, AContextThatIsGoneIsToldWithEveryImage) {
   GpuThreshold gpu(context());
   const Lut lut = lut_of_one(3);

@@ -35,7 +35,6 @@ namespace sslv::halls {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using Path = GpuThreshold::Path;
 
 struct Shown {
   int width, height;
@@ -112,9 +111,9 @@ struct Times {
   }
 };
 
-/// Times of one path, and whether its labels equal the CPU's.
+/// Times of the GPU, and whether its labels equal the CPU's.
 struct Timed {
-  explicit Timed(GpuContext& context, Path path) : gpu(context, path) {}
+  explicit Timed(GpuContext& context) : gpu(context) {}
   GpuThreshold gpu;
   std::vector<double> upload_ms{}, shader_ms{}, read_back_ms{}, all_ms{};
   std::string problem{};
@@ -259,10 +258,7 @@ bool row(GpuContext& context, const Lut& lut, const Exposed& exposed, PixelForma
   constexpr int kWarmUp = 5;
   const std::vector<std::uint8_t> bytes = bytes_of(exposed, format);
   const Image image = image_of(bytes, exposed, format);
-  std::vector<std::unique_ptr<Timed>> paths;
-  if (context.has_compute()) paths.push_back(std::make_unique<Timed>(context, Path::kCompute));
-  paths.push_back(std::make_unique<Timed>(context, Path::kFragment));
-
+  Timed gpu(context);
   Threshold cpu;
   const Mask mask;
   LabelImage wanted;
@@ -272,18 +268,13 @@ bool row(GpuContext& context, const Lut& lut, const Exposed& exposed, PixelForma
     cpu.process({}, lut, mask, image, wanted);
     const double took = ms(Clock::now() - before);
     if (i >= 0) on_cpu_ms.push_back(took);
-    for (const auto& path : paths) path->run(lut, image, wanted, i >= 0);
+    gpu.run(lut, image, wanted, i >= 0);
   }
-  bool is_good = true;
-  for (const auto& path : paths) {
-    is_good = is_good && path->problem.empty();
-    fmt::print("| {}x{} | {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {} |\n", image.view().width,
-               image.view().height, name_of(format),
-               path->gpu.path() == Path::kCompute ? "compute" : "fragment", median(path->upload_ms),
-               median(path->shader_ms), median(path->read_back_ms), median(path->all_ms), median(on_cpu_ms),
-               path->problem.empty() ? "identical" : path->problem);
-  }
-  return is_good;
+  fmt::print("| {}x{} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {} |\n", image.view().width,
+             image.view().height, name_of(format), median(gpu.upload_ms), median(gpu.shader_ms),
+             median(gpu.read_back_ms), median(gpu.all_ms), median(on_cpu_ms),
+             gpu.problem.empty() ? "identical" : gpu.problem);
+  return gpu.problem.empty();
 }
 
 int table(int runs) {
@@ -295,8 +286,8 @@ int table(int runs) {
       "between its steps.\n\n",
       runs, std::thread::hardware_concurrency());
   fmt::print(
-      "| size | format | shader | upload (ms) | shader (ms) | read back (ms) | in all (ms) | CPU, one "
-      "core (ms) | labels |\n|---|---|---|---:|---:|---:|---:|---:|---|\n");
+      "| size | format | upload (ms) | shader (ms) | read back (ms) | in all (ms) | CPU, one "
+      "core (ms) | labels |\n|---|---|---:|---:|---:|---:|---:|---|\n");
   const auto lut = league_lut();
   bool is_good = true;
   for (const Shown& shown : kShown) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Labels of the GPU compared with the CPU's plain stage: every format, both paths, tables of 7 and 8 bits.
+// Labels of the GPU compared with the CPU's plain stage: every format, tables of 7 and 8 bits.
 #include "gpu/gpu_threshold.h"
 
 #include "gpu/gl.h"
@@ -22,12 +22,10 @@
 namespace sslv {
 namespace {
 
-using Path = GpuThreshold::Path;
-
 /// Compares with the CPU; returns the first difference, empty if there is none.
 class Comparison {
  public:
-  explicit Comparison(GpuContext& context, Path path) : gpu_(context, path) {}
+  explicit Comparison(GpuContext& context) : gpu_(context) {}
 
   std::string operator()(const Lut& lut, const Mask& mask, const Image& image) {
     cpu_.process({}, lut, mask, image, plain_);
@@ -53,40 +51,24 @@ class Comparison {
   LabelImage plain_, labels_;
 };
 
-std::string name_of(Path path) {
-  return path == Path::kCompute ? "compute" : "fragment";
-}
-
-class GpuThresholdBy : public WithGpu, public ::testing::WithParamInterface<Path> {
+class GpuThresholdTest : public WithGpu {
  protected:
   void SetUp() override {
     WithGpu::SetUp();
-    if (IsSkipped()) return;
-    if (GetParam() == Path::kCompute && !context().has_compute()) GTEST_SKIP() << "no compute shaders";
-    compare_ = std::make_unique<Comparison>(context(), GetParam());
+    if (!IsSkipped()) compare_ = std::make_unique<Comparison>(context());
   }
   Comparison& compare() { return *compare_; }
 
   std::unique_ptr<Comparison> compare_;
 };
 
-class GpuThresholdIn : public WithGpu, public ::testing::WithParamInterface<std::tuple<Path, PixelFormat>> {
+class GpuThresholdIn : public GpuThresholdTest, public ::testing::WithParamInterface<PixelFormat> {
  protected:
-  void SetUp() override {
-    WithGpu::SetUp();
-    if (IsSkipped()) return;
-    const auto [path, format] = GetParam();
-    if (path == Path::kCompute && !context().has_compute()) GTEST_SKIP() << "no compute shaders";
-    format_ = format;
-    compare_ = std::make_unique<Comparison>(context(), path);
-  }
-  Comparison& compare() { return *compare_; }
   /// Widths and heights must be multiples of these (ImageView).
   int unit_x() const { return is_bayer(format_) || is_yuv422(format_) ? 2 : 1; }
   int unit_y() const { return is_bayer(format_) ? 2 : 1; }
 
-  PixelFormat format_{};
-  std::unique_ptr<Comparison> compare_;
+  PixelFormat format_ = GetParam();
 };
 
 TEST_P(GpuThresholdIn, EveryWidth) {
@@ -171,13 +153,8 @@ TEST_P(GpuThresholdIn, ElevenThousandTiles) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Formats, GpuThresholdIn,
-                         ::testing::Combine(::testing::Values(Path::kCompute, Path::kFragment),
-                                            ::testing::ValuesIn(kAllFormats)),
-                         [](const auto& of) {
-                           return name_of(std::get<0>(of.param)) + "_" +
-                                  std::string(sslv::name_of(std::get<1>(of.param)));
-                         });
+INSTANTIATE_TEST_SUITE_P(Formats, GpuThresholdIn, ::testing::ValuesIn(kAllFormats),
+                         [](const auto& of) { return std::string(name_of(of.param)); });
 
 /// All 2^24 colours: one pixel, pair or quad each.
 Drawn every_color(PixelFormat format) {
@@ -205,7 +182,7 @@ Drawn every_color(PixelFormat format) {
   return drawn;
 }
 
-TEST_P(GpuThresholdBy, EveryColor) {
+TEST_F(GpuThresholdTest, EveryColor) {
   for (const PixelFormat format : {PixelFormat::kUyvy, PixelFormat::kRgb24, PixelFormat::kBayerRg8}) {
     const Drawn drawn = every_color(format);
     for (const int bits : {7, 8}) {
@@ -215,7 +192,7 @@ TEST_P(GpuThresholdBy, EveryColor) {
   }
 }
 
-TEST_P(GpuThresholdBy, TableFormatAndSizeMayChangeWithEveryImage) {
+TEST_F(GpuThresholdTest, TableFormatAndSizeMayChangeWithEveryImage) {
   Random random(6);
   for (int i = 0; i < 150; ++i) {
     const PixelFormat format = kAllFormats[random() % kAllFormats.size()];
@@ -229,7 +206,7 @@ TEST_P(GpuThresholdBy, TableFormatAndSizeMayChangeWithEveryImage) {
   }
 }
 
-TEST_P(GpuThresholdBy, AnotherTableAtTheSamePlaceIsAnotherTable) {
+TEST_F(GpuThresholdTest, AnotherTableAtTheSamePlaceIsAnotherTable) {
   Random random(7);
   Drawn drawn(PixelFormat::kRgb24, 64, 8);
   drawn.fill(random);
@@ -240,26 +217,23 @@ TEST_P(GpuThresholdBy, AnotherTableAtTheSamePlaceIsAnotherTable) {
   }
 }
 
-TEST_P(GpuThresholdBy, AnEmptyImageHasNoLabels) {
+TEST_F(GpuThresholdTest, AnEmptyImageHasNoLabels) {
   const Image nothing(ImageView{nullptr, 0, 0, 0, PixelFormat::kUyvy}, nullptr, nullptr, nullptr);
   EXPECT_EQ(compare()(*test_luts()[0], Mask(), nothing), "");
 }
 
-TEST_P(GpuThresholdBy, TooLargeAnImageIsRefusedAndTheNextOneTaken) {
+TEST_F(GpuThresholdTest, TooLargeAnImageIsRefusedAndTheNextOneTaken) {
   // One row repeated: more than the 128 MiB that every GPU must support. The largest GPUs accept it.
   constexpr int kWidth = 16'384, kHeight = 8'200;
   const std::vector<std::uint8_t> row(kWidth, 200);
   const Image large(ImageView{row.data(), kWidth, kHeight, 0, PixelFormat::kMono8}, nullptr, nullptr,
                     nullptr);
-  const auto limit = [this](GLenum name) {
+  GLint64 limit = 0;
+  {
     const GpuContext::Use use(context());
-    GLint64 value = 0;
-    glGetInteger64v(name, &value);
-    return value;
-  };
-  const bool fits = GetParam() == Path::kCompute
-                        ? limit(GL_MAX_SHADER_STORAGE_BLOCK_SIZE) >= GLint64{kWidth} * kHeight
-                        : limit(GL_MAX_TEXTURE_SIZE) >= kHeight;
+    glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &limit);
+  }
+  const bool fits = limit >= GLint64{kWidth} * kHeight;
   const auto& lut = *test_luts()[3];
   LabelImage labels;
   EXPECT_EQ(compare().gpu().process(lut, Mask(), large, labels), fits);
@@ -277,7 +251,7 @@ TEST_P(GpuThresholdBy, TooLargeAnImageIsRefusedAndTheNextOneTaken) {
   EXPECT_EQ(compare()(lut, Mask(), drawn.image()), "");
 }
 
-TEST_P(GpuThresholdBy, MeasuresEachStepOfTheSameLabels) {
+TEST_F(GpuThresholdTest, MeasuresEachStepOfTheSameLabels) {
   Random random(9);
   Drawn drawn(PixelFormat::kUyvy, 640, 480);
   drawn.fill(random);
@@ -292,9 +266,6 @@ TEST_P(GpuThresholdBy, MeasuresEachStepOfTheSameLabels) {
     EXPECT_LT(step, std::chrono::minutes(1));
   }
 }
-
-INSTANTIATE_TEST_SUITE_P(Paths, GpuThresholdBy, ::testing::Values(Path::kCompute, Path::kFragment),
-                         [](const auto& of) { return name_of(of.param); });
 
 }  // namespace
 }  // namespace sslv
