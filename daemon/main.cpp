@@ -246,7 +246,7 @@ int run_program(int argc, char** argv) {
       Json file{{kVersionKey, newest_version(settings_migrations())}};
       file.update(settings_file.empty() ? complete_settings(Json::object())
                                         : checked_settings(settings_file));
-      std::cout << file.dump(2) << "\n";
+      std::cout << json_text(file, 2) << "\n";
       return EXIT_SUCCESS;
     }
     if (settings_file.empty()) {

@@ -10,6 +10,23 @@
 
 namespace sslv {
 
+std::string json_text(const Json& value, int indent) {
+  return value.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+bool is_utf8(const Json& value) {
+  try {
+    static_cast<void>(value.dump());
+    return true;
+  } catch (const Json::type_error&) {
+    return false;
+  }
+}
+
+Json parse_own_json(std::string_view text) {
+  return Json::parse(text);
+}
+
 JsonExtent extent_of(const Json& value, std::size_t max_size) {
   JsonExtent out;
   std::vector<std::pair<const Json*, std::size_t>> left{{&value, 1}};
@@ -100,7 +117,7 @@ class JsonCount final : public nlohmann::json_sax<Json> {
 Json parse_bounded_json(std::string_view text, std::size_t max_bytes) {
   JsonCount count(max_bytes);
   Json::sax_parse(text, &count);
-  return Json::parse(text);
+  return parse_own_json(text);
 }
 
 }  // namespace sslv

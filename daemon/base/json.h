@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <string_view>
 
 #include <nlohmann/json.hpp>
@@ -10,6 +11,17 @@ namespace sslv {
 
 /// Keeps the order of keys, so that a settings file is written back in its original order.
 using Json = nlohmann::ordered_json;
+
+// Compiling the library's writer and parser takes seconds, so only these functions use them.
+
+/// `indent`: spaces for each level; -1: all in one line. Bytes that are not UTF-8 become U+FFFD.
+std::string json_text(const Json& value, int indent = -1);
+
+/// Whether all texts are UTF-8, so that json_text() keeps them.
+bool is_utf8(const Json& value);
+
+/// Parses a text of our own. Throws Json::parse_error.
+Json parse_own_json(std::string_view text);
 
 /// Extent of a value with everything it contains. `size`: number of values plus bytes of texts and keys.
 /// `depth`: nesting levels, 1 for a value without children.

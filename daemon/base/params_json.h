@@ -32,8 +32,7 @@ struct IsOptional<std::optional<T>> : std::true_type {
 };
 
 [[noreturn]] inline void refuse(const std::string& path, const Json& value, const std::string& allowed) {
-  const std::string shown =
-      shortened(escaped_text(value.dump(-1, ' ', false, Json::error_handler_t::replace)));
+  const std::string shown = shortened(escaped_text(json_text(value)));
   throw SettingsError(path + ": " + shown + " is not allowed; expected " + allowed);
 }
 
@@ -73,7 +72,8 @@ template <class V, class Limit>
 V read_number(const Json& json, const std::string& path, Limit min, Limit max, std::string_view unit) {
   constexpr bool kInteger = std::is_integral_v<V>;
   const std::string allowed = with_unit(
-      (kInteger ? "a whole number " : "a number ") + Json(min).dump() + " .. " + Json(max).dump(), unit);
+      (kInteger ? "a whole number " : "a number ") + json_text(Json(min)) + " .. " + json_text(Json(max)),
+      unit);
   const bool whole =
       json.is_number_integer() || (json.is_number() && json.get<double>() == std::floor(json.get<double>()));
   if (!json.is_number() || (kInteger && !whole)) refuse(path, json, allowed);

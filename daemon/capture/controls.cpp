@@ -105,8 +105,7 @@ Json control_json(const Control& control) {
 void check_control_value(const Control& control, const Json& value) {
   if (takes(control, value)) return;
   throw SettingsError(fmt::format("{}: {} is not allowed; expected {}", control.name,
-                                  shortened(value.dump(-1, ' ', false, Json::error_handler_t::replace)),
-                                  expected(control)));
+                                  shortened(json_text(value)), expected(control)));
 }
 
 bool is_same_value(const Control& control, const Json& a, const Json& b) {

@@ -34,7 +34,7 @@ struct TileOptions {
 class TileSource final : public Source {
  public:
   TileSource(const TileOptions& options, const SharedCamera::Open& open)
-      : options_(options), taker_(SharedCamera::get(options.of.dump(), open)) {
+      : options_(options), taker_(SharedCamera::get(json_text(options.of), open)) {
     warnings_ = taker_.camera().warnings();
     if (const auto controls = taker_.camera().controls()) controls->queue().share_with(options_.controls);
   }

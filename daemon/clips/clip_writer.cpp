@@ -46,14 +46,14 @@ struct ClipWriter::File {
       parts.clear();
       add_part(head);
       write_parts(head.size());
-      const std::string text = json_text({{"format", "ssl-visiond clip"},
-                                          {"site", about.site},
-                                          {"version", about.version},
-                                          {"kind", about.kind},
-                                          {"why", about.why},
-                                          {"begin_s", about.begin_s},
-                                          {"end_s", about.end_s}},
-                                         kMaxClipEventBytes);
+      const std::string text = limited_text({{"format", "ssl-visiond clip"},
+                                             {"site", about.site},
+                                             {"version", about.version},
+                                             {"kind", about.kind},
+                                             {"why", about.why},
+                                             {"begin_s", about.begin_s},
+                                             {"end_s", about.end_s}},
+                                            kMaxClipEventBytes);
       event_bytes = text.size();
       write_block(ClipBlock::kAbout, 0, clip_ns(about.begin_s), {bytes_of(text)}, {});
     } catch (...) {
@@ -73,8 +73,8 @@ struct ClipWriter::File {
   }
 
   /// Throws StorageError if the text is longer than `max_bytes`.
-  std::string json_text(const Json& json, std::size_t max_bytes) {
-    std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string limited_text(const Json& json, std::size_t max_bytes) {
+    std::string text = json_text(json);
     if (text.size() > max_bytes)
       refuse(fmt::format("settings of a clip are limited to {} MiB, events to {} KiB each",
                          kMaxClipJsonBytes >> 20U, kMaxClipEventBytes >> 10U));
@@ -200,7 +200,7 @@ ClipWriter::ClipWriter(const std::filesystem::path& file, const ClipAbout& about
 ClipWriter::~ClipWriter() = default;
 
 std::uint32_t ClipWriter::add(const ClipSetup& setup) {
-  const std::string text = file_->json_text(setup.about, kMaxClipJsonBytes);
+  const std::string text = file_->limited_text(setup.about, kMaxClipJsonBytes);
   return add_setup(static_cast<std::uint32_t>(setup.camera_id), bytes_of(text), setup.table);
 }
 
@@ -263,7 +263,7 @@ void ClipWriter::add(const ClipFrame& frame) {
 }
 
 void ClipWriter::add(const ClipEvent& event) {
-  const std::string text = file_->json_text(
+  const std::string text = file_->limited_text(
       {{"time_s", event.time_s}, {"kind", event.kind}, {"text", event.text}}, kMaxClipEventBytes);
   if (file_->events >= kMaxClipEvents || text.size() > kMaxClipEventBytesInAll - file_->event_bytes)
     file_->refuse(fmt::format("a clip has at most {} events, of {} MiB together", kMaxClipEvents,

@@ -392,7 +392,7 @@ void ImageRing::let_all_go() {
 }
 
 void ImageRing::put_setup(std::uint32_t number, const ClipSetup& setup) {
-  const std::string about = setup.about.dump(-1, ' ', false, Json::error_handler_t::replace);
+  const std::string about = json_text(setup.about);
   if (about.size() > kMaxClipJsonBytes || setup.table.size() > kMaxClipTableBytes)
     throw ClipError("they are larger than a clip can hold");
   if (number >= kRingSetups) forget_setups_before(number - kRingSetups + 1);

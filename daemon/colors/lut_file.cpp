@@ -277,7 +277,7 @@ std::string table_json_text(const ColorTable& table, const LabelSet& labels) {
                      {"bits", table.bits},
                      {"labels", std::move(list)},
                      {"runs", to_base64(encode_runs(table))}};
-  return json.dump(2) + '\n';
+  return json_text(json, 2) + '\n';
 }
 
 std::vector<ImportedTable> import_tables(Bytes bytes, const std::string& file_name, const LabelSet& labels) {

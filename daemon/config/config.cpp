@@ -35,7 +35,7 @@ void check_simulated(const std::vector<CameraSettings>& cameras) {
     const Json& source = cameras[i].source;
     const bool is_tile = source.at("backend") == "tile";
     const Json& whole = is_tile ? source.at("of") : source;
-    if (whole.at("backend") != "simulator" || (is_tile && !counted.insert(whole.dump()).second)) continue;
+    if (whole.at("backend") != "simulator" || (is_tile && !counted.insert(json_text(whole)).second)) continue;
     pixels += whole.at("width").get<std::int64_t>() * whole.at("height").get<std::int64_t>();
     if (pixels <= SimulatorOptions::kMaxPixelsOfAll) continue;
     throw SettingsError(

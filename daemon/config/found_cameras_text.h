@@ -15,7 +15,7 @@ inline std::string found_cameras_text(const Json& found) {
   std::string out;
   for (const Json& source : found) {
     out += fmt::format("{}\n  \"source\": {}\n", source.at("name").get<std::string>(),
-                       source.at("source").dump());
+                       json_text(source.at("source")));
     std::string formats;
     for (const Json& format : source.at("formats"))
       formats += (formats.empty() ? "" : ", ") + format.get<std::string>();

@@ -16,7 +16,7 @@ namespace {
 std::string shortened(const Json& change, const char* key) {
   constexpr std::size_t kLongest = 40;
   if (!change.contains(key)) return "nothing";
-  const std::string text = change.at(key).dump();
+  const std::string text = json_text(change.at(key));
   return text.size() <= kLongest ? text : text.substr(0, kLongest - 3) + "...";
 }
 

@@ -25,6 +25,12 @@ Json parse_answer(const std::string& text, const std::string& path) {
   }
 }
 
+/// Throws ClientError if a text is not UTF-8, as a word of a terminal may be.
+std::string body_text(const Json& body) {
+  if (!is_utf8(body)) throw ClientError("only UTF-8 can be sent: check your terminal's encoding");
+  return json_text(body);
+}
+
 /// Text about changes and their authors, the newest first, from SettingsStep[] of docs/openapi.json.
 std::string steps_text(const Json& steps) {
   constexpr std::size_t kMax = 3;
@@ -96,7 +102,7 @@ std::string Client::answer(const Request& request) const {
   HttpReply reply = send(request);
   if (reply.status == 401 && sign_in_->cookie.empty()) {
     const std::string session = "/api/session";
-    const HttpReply signed_in = send({"POST", session, Json{{"password", sign_in_->password()}}.dump()});
+    const HttpReply signed_in = send({"POST", session, body_text(Json{{"password", sign_in_->password()}})});
     accepted(signed_in, session);
     sign_in_->cookie = signed_in.set_cookie.substr(0, signed_in.set_cookie.find(';'));
     reply = send(request);
@@ -120,7 +126,7 @@ Json Client::get_json(const std::string& path) const {
 }
 
 Json Client::post(const std::string& path, const Json& body, std::optional<std::uint64_t> if_revision) const {
-  return parse_answer(answer({"POST", path, body.dump(), "application/json", if_revision}), path);
+  return parse_answer(answer({"POST", path, body_text(body), "application/json", if_revision}), path);
 }
 
 Json Client::post_bytes(const std::string& path, const std::string& bytes) const {
@@ -129,11 +135,12 @@ Json Client::post_bytes(const std::string& path, const std::string& bytes) const
 
 Json Client::patch(const std::string& path, const Json& body,
                    std::optional<std::uint64_t> if_revision) const {
-  return parse_answer(answer({"PATCH", path, body.dump(), "application/json-patch+json", if_revision}), path);
+  return parse_answer(answer({"PATCH", path, body_text(body), "application/json-patch+json", if_revision}),
+                      path);
 }
 
 Json Client::put(const std::string& path, const Json& body) const {
-  return parse_answer(answer({"PUT", path, body.dump()}), path);
+  return parse_answer(answer({"PUT", path, body_text(body)}), path);
 }
 
 Json Client::remove(const std::string& path) const {

@@ -8,7 +8,7 @@ namespace {
 
 std::string text_of(const Json& json, const char* key) {
   const Json& value = json.at(key);
-  return value.is_null() ? "-" : value.is_string() ? value.get<std::string>() : value.dump();
+  return value.is_null() ? "-" : value.is_string() ? value.get<std::string>() : json_text(value);
 }
 
 std::string allowed(const Json& control) {

@@ -87,7 +87,7 @@ std::string diagnostics_text(const Json& diagnostics) {
         const auto us = quantile_us(histogram, share);
         return us ? fmt::format("{:.3f}", *us / 1000) : "-";
       };
-      rows.push_back({camera.at("id").dump(), what, ms(0.5), ms(0.99)});
+      rows.push_back({json_text(camera.at("id")), what, ms(0.5), ms(0.99)});
     };
     for (const Json& stage : camera.at("stages"))
       add(stage.at("name").get<std::string>(), stage.at("histogram"));

@@ -30,7 +30,7 @@ void add_robots(const Json& detection, const char* key, const char* team,
   if (robots == detection.end()) return;
   for (const Json& robot : *robots) {
     rows.push_back(
-        {team, robot.contains("robot_id") ? robot.at("robot_id").dump() : "-", number_or_dash(robot, "x"),
+        {team, robot.contains("robot_id") ? json_text(robot.at("robot_id")) : "-", number_or_dash(robot, "x"),
          number_or_dash(robot, "y"), number_or_dash(robot, "orientation", 180 / std::numbers::pi),
          number_or_dash(robot, "height"), number_or_dash(robot, "pixel_x"), number_or_dash(robot, "pixel_y"),
          fmt::format("{:.2f}", robot.at("confidence").get<double>())});

@@ -66,7 +66,7 @@ std::vector<SchemaPart> below(const SchemaPart& part, const std::string& token) 
 std::string joined(const Json& list, const char* between) {
   std::string out;
   for (const Json& one : list) {
-    out += (out.empty() ? "" : between) + (one.is_string() ? one.get<std::string>() : one.dump());
+    out += (out.empty() ? "" : between) + (one.is_string() ? one.get<std::string>() : json_text(one));
   }
   return out;
 }

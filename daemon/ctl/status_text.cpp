@@ -84,11 +84,11 @@ std::string cameras_text(const Json& cameras) {
   for (const Json& camera : cameras) {
     const Json& latency = camera.at("latency_ms");
     rows.push_back(
-        {camera.at("id").dump(), camera.at("name").get<std::string>(), camera.at("state").get<std::string>(),
-         fmt::format("{:.1f}", camera.at("fps").get<double>()),
+        {json_text(camera.at("id")), camera.at("name").get<std::string>(),
+         camera.at("state").get<std::string>(), fmt::format("{:.1f}", camera.at("fps").get<double>()),
          fmt::format("{:.2f}", latency.at("p50").get<double>()),
-         fmt::format("{:.2f}", latency.at("p99").get<double>()), camera.at("frames_dropped").dump(),
-         camera.at("robots").dump(), camera.at("balls").dump()});
+         fmt::format("{:.2f}", latency.at("p99").get<double>()), json_text(camera.at("frames_dropped")),
+         json_text(camera.at("robots")), json_text(camera.at("balls"))});
   }
   return table_text({{"id", true},
                      {"name"},

@@ -18,12 +18,12 @@ Json plain_answer(const Json& answer) {
   return out;
 }
 
-std::string json_text(const Json& answer, int indent) {
-  return escaped_lines(answer.dump(indent, ' ', false, Json::error_handler_t::replace));
+std::string terminal_json(const Json& answer, int indent) {
+  return escaped_lines(json_text(answer, indent));
 }
 
 std::string answer_text(const Json& answer, bool as_json, std::string (*text)(const Json&)) {
-  return as_json ? json_text(answer) + "\n" : text(plain_answer(answer));
+  return as_json ? terminal_json(answer) + "\n" : text(plain_answer(answer));
 }
 
 }  // namespace sslv

@@ -15,7 +15,7 @@ Json plain_answer(const Json& answer);
 
 /// An answer as JSON that has the same meaning for every parser and is safe for a terminal. `indent`: -1 for
 /// one line.
-std::string json_text(const Json& answer, int indent = 2);
+std::string terminal_json(const Json& answer, int indent = 2);
 
 /// An answer as JSON, or as human-readable text by `text`.
 std::string answer_text(const Json& answer, bool as_json, std::string (*text)(const Json&));

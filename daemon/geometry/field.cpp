@@ -108,7 +108,7 @@ void check_field(const FieldSize& field, const std::string& path) {
     const FieldArc& arc = (*field.field_arcs)[i];
     if (arc.a2 < arc.a1) {
       refuse(path + "/field_arcs/" + std::to_string(i) + "/a2", arc.a2,
-             "an angle not below a1, " + Json(arc.a1).dump());
+             "an angle not below a1, " + json_text(Json(arc.a1)));
     }
   }
 }

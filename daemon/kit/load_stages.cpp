@@ -56,7 +56,7 @@ bool is_finite(const Json& json) {
 template <class Floor>
 void check_params(const BasicStageType<Floor>& row) {
   const Json schema = row.schema();
-  static_cast<void>(schema.dump());  // throws unless all texts are UTF-8
+  if (!is_utf8(schema)) throw std::runtime_error("its parameters: a text is not UTF-8");
   for (const auto& [key, one] : schema.at("properties").items()) {
     if (!is_finite(one))
       throw std::runtime_error(
@@ -65,7 +65,7 @@ void check_params(const BasicStageType<Floor>& row) {
   const std::string path = "its parameters: /" + row.name;
   const Json defaults = row.parse(Json::object(), path).complete;
   // The service must be able to read back what it writes into its settings.
-  row.parse(Json::parse(defaults.dump()), path);
+  row.parse(parse_own_json(json_text(defaults)), path);
 }
 
 /// Creates each stage once, with its default parameters.

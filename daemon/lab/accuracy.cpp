@@ -187,8 +187,8 @@ void run_hall(const Trial& trial, const AccuracyCondition& condition, int frames
                       {view, *setup.context.scene->camera, *setup.context.patterns, source.blur_sigma_px,
                        source.noise_sigma},
                       expected, t_s);
-    stretch.detections += found.dump() + '\n';
-    stretch.truth += expected.dump() + '\n';
+    stretch.detections += json_text(found) + '\n';
+    stretch.truth += json_text(expected) + '\n';
     if (is_film && i % look_frames == 0) {
       follower.observe(condition.follow_light,
                        {t_s, view, *setup.context.scene, *setup.context.patterns, frame.robots.robots});

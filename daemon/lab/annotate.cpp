@@ -58,7 +58,7 @@ class Annotating {
 
   void write() {
     std::string truth;
-    for (const Json& line : lines_) truth += line.dump() + "\n";
+    for (const Json& line : lines_) truth += json_text(line) + "\n";
     write_file_durably(o_.truth_file, truth, 0644);
     fs::create_directories(o_.pages_folder);
     AnnotationPlace place{o_.command, {}, {}};

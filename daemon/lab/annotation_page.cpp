@@ -64,7 +64,7 @@ std::string annotation_page(const Json& line, std::span<const std::uint8_t> jpeg
   for (const char* kind : {"robots", "balls"}) {
     for (const Json& thing : line.at(kind)) data["marks"].push_back(mark_of(thing, scene));
   }
-  std::string text = data.dump();
+  std::string text = json_text(data);
   replace_all(text, "<", "\\u003c");  // so that no text ends the script element
   std::string page(kAnnotationPageHtml);
   constexpr std::string_view kPlace = "{\"//\": \"the image and its marks\"}";

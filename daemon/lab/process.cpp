@@ -91,7 +91,7 @@ int process_recording(const Config& config, std::size_t camera_index, const Proc
     line["timing_us"] = Json::object();
     for (std::size_t i = 0; i < frame.stage_ns.size(); ++i)
       line["timing_us"][stack[i]] = static_cast<double>(frame.stage_ns[i]) * 1e-3;
-    out << line.dump() << '\n';
+    out << json_text(line) << '\n';
   };
   return process_recording(config, camera_index, options, write, problems);
 }

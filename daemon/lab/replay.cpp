@@ -23,7 +23,7 @@ void write_found(const ClipReplay::Result& result, std::ostream& out) {
             {"t", frame.info.times.t_capture_s},
             {"exact", result.is_exact}};
   line.update(detections_json(frame.robots, frame.balls));
-  out << line.dump() << '\n';
+  out << json_text(line) << '\n';
 }
 
 ReplayedCamera replay_camera(ClipReader& clip, std::uint32_t camera_id, const ReplayCommand& command) {

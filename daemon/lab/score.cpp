@@ -52,7 +52,7 @@ Frames read_frames(std::istream& in, const char* what) {
   for (int number = 1; std::getline(in, text); ++number) {
     if (text.find_first_not_of(" \t\r") == std::string::npos) continue;
     try {
-      const Json line = Json::parse(text);
+      const Json line = parse_own_json(text);
       const std::string frame = line.at("frame");
       if (!frames.emplace(frame, things_of(line)).second) {
         throw std::runtime_error("frame \"" + frame + "\" comes twice");

@@ -52,11 +52,11 @@ void simulate(const SimulateOptions& options) {
     const std::string file = stem + (options.raw ? ".raw" : ".ppm");
     camera.draw(t_s, picture.data());
     write_file(folder / file, head, bytes);
-    truth += camera.truth(stem, t_s).dump() + "\n";
+    truth += json_text(camera.truth(stem, t_s)) + "\n";
     index["frames"].push_back({{"file", file}, {"t", t_s}});
   }
   write_file(folder / "truth.jsonl", "", truth);
-  write_file(folder / "frames.json", index.dump(1), "\n");
+  write_file(folder / "frames.json", json_text(index, 1), "\n");
 }
 
 }  // namespace sslv

@@ -87,7 +87,7 @@ TrackedLog track_log(const std::filesystem::path& file, const Config& config,
     if (!tracked.balls.empty())
       ball_after.see(tracked.t_s, tracked.balls[0].place_mm.head<2>(), kBallFastest_mm_s, out.ball_after);
     if (tracked.kick) out.kicks = static_cast<std::size_t>(tracked.kick->number);
-    if (options.tracks) *options.tracks << to_json(tracked).dump() << "\n";
+    if (options.tracks) *options.tracks << json_text(to_json(tracked)) << "\n";
   };
   const auto take_later = [&](const Observations& seen, double now_s) {
     smoother->add(seen, now_s);

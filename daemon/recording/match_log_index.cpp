@@ -183,7 +183,7 @@ std::optional<MatchLogIndex> read_match_log_index(const fs::path& log) {
 }
 
 void write_match_log_index(const fs::path& log, const MatchLogIndex& index) {
-  write_file_durably(index_file_of(log), to_json(index).dump() + "\n");
+  write_file_durably(index_file_of(log), json_text(to_json(index)) + "\n");
 }
 
 MatchLogIndex match_log_index(const fs::path& log, const std::stop_token& stop) {

@@ -185,7 +185,8 @@ class CocoFile {
     const Json categories{{{"id", kYellowRobot}, {"name", "yellow robot"}, {"supercategory", "robot"}},
                           {{"id", kBlueRobot}, {"name", "blue robot"}, {"supercategory", "robot"}},
                           {{"id", kBall}, {"name", "ball"}, {"supercategory", "ball"}}};
-    return Json{{"images", images_}, {"annotations", annotations_}, {"categories", categories}}.dump() + "\n";
+    return json_text(Json{{"images", images_}, {"annotations", annotations_}, {"categories", categories}}) +
+           "\n";
   }
 
  private:
@@ -241,7 +242,7 @@ ExportedCamera export_camera(ClipReader& clip, std::uint32_t camera_id, const Ex
     }
     Json line = truth_draft_json(name, shown.width, shown.height, frame.robots, frame.balls);
     line["t"] = frame.info.times.t_capture_s;
-    truth += line.dump() + "\n";
+    truth += json_text(line) + "\n";
     index["frames"].push_back({{"file", file},
                                {"t", frame.info.times.t_capture_s},
                                {"width", shown.width},
@@ -253,7 +254,7 @@ ExportedCamera export_camera(ClipReader& clip, std::uint32_t camera_id, const Ex
     out.balls += frame.balls.balls.size();
   }
   write_export(folder / "truth.jsonl", truth);
-  write_export(folder / "frames.json", index.dump(1) + "\n");
+  write_export(folder / "frames.json", json_text(index, 1) + "\n");
   if (options.with_coco) write_export(folder / "coco.json", coco.text());
   out.doubts = replay.doubts();
   return out;

@@ -135,7 +135,7 @@ SettingsHistory::SettingsHistory(const Json& saved) {
 }
 
 void SettingsHistory::add(SettingsStep step) {
-  sizes_.push_back(step.dump().size());
+  sizes_.push_back(json_text(step).size());
   bytes_ += sizes_.back();
   steps_.push_back(std::move(step));
   // Keeps the newest step, however large it is.

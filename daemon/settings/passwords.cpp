@@ -51,7 +51,7 @@ std::string text_of(const std::array<std::string, 2>& hashes) {
   for (const Role role : kRoles) {
     if (!hashes[place(role)].empty()) saved[std::string(name_of(role))] = hashes[place(role)];
   }
-  return saved.empty() ? "" : saved.dump(2) + "\n";
+  return saved.empty() ? "" : json_text(saved, 2) + "\n";
 }
 
 void check(const std::string& password) {

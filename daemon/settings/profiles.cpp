@@ -23,7 +23,7 @@ struct File {
 };
 
 std::string text_of(const File& file) {
-  return params_to_json(file).dump(2) + "\n";
+  return json_text(params_to_json(file), 2) + "\n";
 }
 
 /// A name must also fit between two slashes of a URL.
@@ -34,8 +34,7 @@ void check_name(const std::string& name) {
   throw SettingsError(
       fmt::format("name: {} is not allowed; expected 1 .. {} printable characters without a slash, a dot at "
                   "the beginning or a space at either end",
-                  shortened(escaped_text(Json(name).dump(-1, ' ', false, Json::error_handler_t::replace))),
-                  Profiles::kLongestName));
+                  shortened(escaped_text(json_text(Json(name)))), Profiles::kLongestName));
 }
 
 auto place_of(std::vector<Profile>& profiles, const std::string& name) {

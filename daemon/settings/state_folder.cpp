@@ -110,7 +110,7 @@ Json read_json_file(const fs::path& file) {
   }
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   try {
-    return Json::parse(text);
+    return parse_own_json(text);
   } catch (const Json::parse_error& error) {
     const auto upto = text.substr(0, error.byte > 0 ? error.byte - 1 : 0);
     const auto line = 1 + std::count(upto.begin(), upto.end(), '\n');

@@ -24,7 +24,7 @@ void check_same_ids(const Json& changes, const Json& made_on, const Json& put_on
       const Json::json_pointer id(path.substr(0, end) + "/id");
       if (!made_on.contains(id) || !put_on.contains(id) || made_on.at(id) == put_on.at(id)) continue;
       throw SettingsError(fmt::format("{}: the saved change was made when {} was {}, but it is now {}", path,
-                                      id.to_string(), made_on.at(id).dump(), put_on.at(id).dump()));
+                                      id.to_string(), json_text(made_on.at(id)), json_text(put_on.at(id))));
     }
   }
 }
@@ -316,7 +316,7 @@ void SettingsStore::save(const Version& version, const Json& admin_settings, con
                    {"changes", exact_patch(admin_settings, version.settings)},
                    {"made_on", admin_settings},
                    {"history", history.to_json()}};
-  folder_.write(changes_file(), saved.dump(2) + "\n", previous_file());
+  folder_.write(changes_file(), json_text(saved, 2) + "\n", previous_file());
 }
 
 }  // namespace sslv

@@ -169,10 +169,10 @@ void collect_rings(PatternTable& table) {
 
 }  // namespace
 
-PatternTable parse_patterns(const std::string& json_text, const std::string& path, const LabelSet& labels) {
+PatternTable parse_patterns(const std::string& text, const std::string& path, const LabelSet& labels) {
   Json json;
   try {
-    json = parse_bounded_json(json_text);
+    json = parse_bounded_json(text);
   } catch (const std::exception& error) {
     throw SettingsError(fmt::format("{}: {}", path, error.what()));
   }

@@ -49,7 +49,7 @@ struct PatternTable {
 /// Reads a pattern table from JSON text. Throws SettingsError, its message starting with `path`, for a wrong
 /// type or number of colours, an id that occurs twice, dots that overlap or extend beyond the top's rim, or
 /// two codes that look alike when the robot turns (the message names both).
-PatternTable parse_patterns(const std::string& json_text, const std::string& path,
+PatternTable parse_patterns(const std::string& text, const std::string& path,
                             const LabelSet& labels = LabelSet::built_in());
 
 /// The league's table, config/patterns/league.json, built into the program.

@@ -15,16 +15,16 @@ std::string patterns_text(const PatternTable& table, const LabelSet& labels) {
     for (const Label color : code.colors) colors.push_back(labels.name(color));
     codes.push_back({{"id", code.id}, {"colors", std::move(colors)}});
   }
-  return Json{{"name", table.name},
-              {"center_diameter_mm", table.center_diameter_mm},
-              {"dot_diameter_mm", table.dots.at(0).diameter_mm},
-              {"top_radius_mm", table.top_radius_mm},
-              {"top_front_mm", table.top_front_mm},
-              {"team_colors",
-               {{"yellow", labels.name(table.team_colors[0])}, {"blue", labels.name(table.team_colors[1])}}},
-              {"dots", std::move(dots)},
-              {"codes", std::move(codes)}}
-      .dump();
+  return json_text(
+      Json{{"name", table.name},
+           {"center_diameter_mm", table.center_diameter_mm},
+           {"dot_diameter_mm", table.dots.at(0).diameter_mm},
+           {"top_radius_mm", table.top_radius_mm},
+           {"top_front_mm", table.top_front_mm},
+           {"team_colors",
+            {{"yellow", labels.name(table.team_colors[0])}, {"blue", labels.name(table.team_colors[1])}}},
+           {"dots", std::move(dots)},
+           {"codes", std::move(codes)}});
 }
 
 }  // namespace sslv

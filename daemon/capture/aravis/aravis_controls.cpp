@@ -335,7 +335,7 @@ class AravisControls final : public Controls {
         break;
     }
     if (failure.failed())
-      throw SettingsError(fmt::format("{}: {} refused: {}", control.name, value.dump(), failure.text()));
+      throw SettingsError(fmt::format("{}: {} refused: {}", control.name, json_text(value), failure.text()));
     read_exposure(*camera_);
   }
 

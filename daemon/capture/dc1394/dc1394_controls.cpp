@@ -126,7 +126,7 @@ class IidcControls final : public Controls {
   void write(const Control& control, const Json& value) override {
     const std::lock_guard lock(link_->mutex);
     if (!control.writable) {
-      throw SettingsError(fmt::format("{}: {} refused: {}", control.name, value.dump(),
+      throw SettingsError(fmt::format("{}: {} refused: {}", control.name, json_text(value),
                                       control.help.empty() ? "it cannot be set now" : control.help));
     }
     if (control.name.starts_with(kLoad) || control.name.starts_with(kSave)) return use_memory(control);

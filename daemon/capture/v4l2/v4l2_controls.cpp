@@ -77,7 +77,7 @@ bool is_writable(const v4l2_query_ext_ctrl& asked) {
 }
 
 [[noreturn]] void refuse(const Control& control, const Json& value, std::string_view why) {
-  throw SettingsError(fmt::format("{}: {} refused: {}", control.name, value.dump(), why));
+  throw SettingsError(fmt::format("{}: {} refused: {}", control.name, json_text(value), why));
 }
 
 }  // namespace

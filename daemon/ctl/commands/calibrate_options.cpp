@@ -36,7 +36,7 @@ void CalibrateOptions::add_to(CLI::App* command) {
 int CalibrateOptions::tell(const Json& report, std::string (*text)(const Json&)) const {
   const auto write = [](const std::string& file, const Json& json) {
     Output output(file);
-    output.stream() << json_text(json) << "\n";
+    output.stream() << terminal_json(json) << "\n";
     output.finish();
   };
   if (!report_file.empty()) write(report_file, report);

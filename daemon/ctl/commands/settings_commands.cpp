@@ -104,7 +104,7 @@ void add_settings_export(CommandLine& line, CLI::App* parent) {
     Json tree{{kVersionKey, answer.value("version", 1)}};
     tree.update(answer.at("settings"));
     Output output(*file);
-    output.stream() << json_text(tree) << "\n";
+    output.stream() << terminal_json(tree) << "\n";
     output.finish();
     return EXIT_SUCCESS;
   });
@@ -140,7 +140,7 @@ void add_schema(CommandLine& line, CLI::App* parent) {
   command->add_flag("--json", o->as_json, "all of it as a JSON Schema")->excludes("pointer");
   line.on(command, [&line, o] {
     const Json schema = line.client().get_json("/api/schema");
-    std::cout << (o->as_json ? json_text(schema) + "\n" : schema_text(plain_answer(schema), o->pointer));
+    std::cout << (o->as_json ? terminal_json(schema) + "\n" : schema_text(plain_answer(schema), o->pointer));
     return EXIT_SUCCESS;
   });
 }

@@ -52,7 +52,7 @@ void add_watch(CommandLine& line) {
       if (i > 0) std::this_thread::sleep_for(std::chrono::duration<double>(o->interval_s));
       const bool is_field = o->what == "field";
       const Json answer = client.get_json(is_field ? "/api/field" : "/api/status");
-      std::cout << (o->as_json ? json_text(answer, -1)
+      std::cout << (o->as_json ? terminal_json(answer, -1)
                                : answer_text(answer, false, is_field ? field_text : status_text))
                 << std::endl;
     }
@@ -201,7 +201,7 @@ void add_log(CommandLine& line) {
     do {
       const Json answer = client.get_json(fmt::format("/api/log?after={}&level={}", next, o->level));
       for (const Json& one : answer.at("lines"))
-        std::cout << (o->as_json ? json_text(one, -1) + "\n" : answer_text(one, false, log_line_text));
+        std::cout << (o->as_json ? terminal_json(one, -1) + "\n" : answer_text(one, false, log_line_text));
       std::cout << std::flush;
       next = answer.at("next").get<std::uint64_t>();
       if (o->follow) std::this_thread::sleep_for(std::chrono::milliseconds(500));

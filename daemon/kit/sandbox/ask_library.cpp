@@ -72,8 +72,7 @@ Json ask_library(const std::string& library, const Json& question, const std::st
   ChildProcess process = start_stage_process({"ask", library}, {sockets.theirs.fd()}, pipe.theirs.fd());
   sockets.theirs = OpenFile();
   pipe.theirs = OpenFile();
-  send_all(sockets.ours.fd(), question.dump(-1, ' ', false, Json::error_handler_t::replace),
-           begin_ns + within_ns);
+  send_all(sockets.ours.fd(), json_text(question), begin_ns + within_ns);
   ::shutdown(sockets.ours.fd(), SHUT_WR);
   OutputLines output("stage library " + name);
   const std::string text =
@@ -102,7 +101,7 @@ Json ask_library(const std::string& library, const Json& question, const std::st
     throw std::runtime_error(fmt::format("stage library {}: its process gave an invalid answer", name));
   if (answer.contains("error")) {
     const Json& error = answer.at("error");
-    throw std::runtime_error(escaped_text(error.is_string() ? error.get<std::string>() : error.dump()));
+    throw std::runtime_error(escaped_text(error.is_string() ? error.get<std::string>() : json_text(error)));
   }
   return answer;
 }

@@ -47,7 +47,7 @@ class KnownParams {
 
  private:
   static std::string key(std::string_view floor, const std::string& stage, const Json& json) {
-    return fmt::format("{} {} {}", floor, stage, json.dump(-1, ' ', false, Json::error_handler_t::replace));
+    return fmt::format("{} {} {}", floor, stage, json_text(json));
   }
   std::mutex mutex_;
   std::map<std::string, Json> known_;

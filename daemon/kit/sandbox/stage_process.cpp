@@ -127,12 +127,12 @@ int answer_question(const std::string& library) {
     text.append(buffer.data(), static_cast<std::size_t>(count));
   Json answer;
   try {
-    answer = answer_to(Json::parse(text), load_checked(library));
+    answer = answer_to(parse_own_json(text), load_checked(library));
   } catch (const std::exception& error) {
     answer = {{"error", error.what()}};
   }
   // The newline marks the end of the answer: other processes may still hold the socket open.
-  const std::string out = answer.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
+  const std::string out = json_text(answer) + '\n';
   for (std::size_t done = 0; done < out.size();) {
     const ssize_t count = ::write(kControlFile, out.data() + done, out.size() - done);
     if (count <= 0) return EXIT_FAILURE;
@@ -345,7 +345,7 @@ class StageRunner {
     if (changed || params_ == nullptr) {
       params_ = nullptr;
       try {
-        params_ = row_.parse(Json::parse(params_text), "").params;
+        params_ = row_.parse(parse_own_json(params_text), "").params;
       } catch (const std::exception& error) {
         std::fprintf(stderr, "its parameters: %s\n", error.what());
         return AnswerKind::kUnreadable;

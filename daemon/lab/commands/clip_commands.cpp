@@ -119,7 +119,7 @@ void add_replay(CommandLine& line) {
       const std::vector<ReplayedCamera> cameras = replay_cameras(clip, replay);
       if (found) found->finish();
       (o->output == "-" ? std::cerr : std::cout)
-          << (o->as_json ? replayed_json(cameras).dump(2) + "\n"
+          << (o->as_json ? json_text(replayed_json(cameras), 2) + "\n"
                          : replayed_text(cameras, replay.other.has_value()));
       const bool differs =
           std::any_of(cameras.begin(), cameras.end(), [](const ReplayedCamera& one) { return one.differs; });

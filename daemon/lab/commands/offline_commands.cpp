@@ -82,7 +82,7 @@ void add_bench(CommandLine& line) {
         o->input.empty() ? bench_simulated(config, index, o->frames, o->rounds)
                          : std::vector{bench_recorded(config, index, o->input, o->raw.pixel_format,
                                                       o->raw.width, o->raw.height, o->rounds)};
-    std::cout << (o->as_json ? bench_json(results).dump(2) + "\n" : bench_text(results));
+    std::cout << (o->as_json ? json_text(bench_json(results), 2) + "\n" : bench_text(results));
     return EXIT_SUCCESS;
   });
 }
@@ -111,7 +111,7 @@ void add_simulate(CommandLine& line) {
     if (camera.source.at("backend") != "simulator") {
       throw SettingsError(
           fmt::format("{}: /cameras/{}/source/backend: {} is not allowed; expected \"simulator\"",
-                      o->choice.settings_file, index, camera.source.at("backend").dump()));
+                      o->choice.settings_file, index, json_text(camera.source.at("backend"))));
     }
     o->simulation.source = camera.source;
     o->simulation.source.erase("backend");
@@ -156,7 +156,7 @@ void add_track(CommandLine& line) {
                                      {.later_s = o->later_s, .tracks = tracks ? &tracks->stream() : nullptr});
     if (tracks) tracks->finish();
     (o->tracks_file == "-" ? std::cerr : std::cout)
-        << (o->as_json ? tracked_log_json(log).dump(2) + "\n" : tracked_log_text(log));
+        << (o->as_json ? json_text(tracked_log_json(log), 2) + "\n" : tracked_log_text(log));
     return EXIT_SUCCESS;
   });
 }
@@ -217,7 +217,7 @@ void add_score(CommandLine& line) {
   command->add_flag("--json", o->as_json, "as JSON")->excludes(markdown);
   const auto score_two_files = [o] {
     const Score result = score_files(o->detections_file, o->truth_file, o->score);
-    std::cout << (o->as_json ? score_json(result).dump(2) + "\n" : score_text(result));
+    std::cout << (o->as_json ? json_text(score_json(result), 2) + "\n" : score_text(result));
     return EXIT_SUCCESS;
   };
   const auto run_suite = [o] {
@@ -225,7 +225,8 @@ void add_score(CommandLine& line) {
       std::cerr << row.condition << ", " << row.pixel_format << (row.failures.empty() ? "\n" : ": FAILED\n");
     };
     const AccuracyReport report = run_accuracy_suite(read_accuracy_suite(o->suite_file), o->suite);
-    std::cout << (o->as_json ? accuracy_json(report).dump(2) + "\n" : accuracy_text(report, o->as_markdown));
+    std::cout << (o->as_json ? json_text(accuracy_json(report), 2) + "\n"
+                             : accuracy_text(report, o->as_markdown));
     return report.passed() ? EXIT_SUCCESS : EXIT_FAILURE;
   };
   const auto score_running = [&line, o] {
@@ -233,7 +234,7 @@ void add_score(CommandLine& line) {
     const Config config = read_config(line.client().get_json("/api/settings").at("settings"));
     const SimulatedWorld world = simulated_world(config);
     const TrackScorer scorer = score_tracks(config, world, o->tracks_s);
-    std::cout << (o->as_json ? track_score_json(scorer).dump(2) + "\n" : track_score_text(scorer));
+    std::cout << (o->as_json ? json_text(track_score_json(scorer), 2) + "\n" : track_score_text(scorer));
     return EXIT_SUCCESS;
   };
   command->callback([&line, o, tracks, score_two_files, run_suite, score_running] {

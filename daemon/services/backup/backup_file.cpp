@@ -66,8 +66,8 @@ BackupManifest manifest_in(const std::string& text) {
     refuse_backup(fmt::format(
         "{}: /format_version: {} is newer than this program, which reads backups up to {}; install "
         "the program that made it, {}",
-        kManifestName, version.dump(), kFormatVersion,
-        shortened(json.value("version", Json()).dump(-1, ' ', false, Json::error_handler_t::replace))));
+        kManifestName, json_text(version), kFormatVersion,
+        shortened(json_text(json.value("version", Json())))));
   }
   try {
     auto file = params_from_json<ManifestFile>(json, "");
@@ -132,7 +132,7 @@ std::string write_backup(Backup backup, const std::stop_token& stop) {
   const BackupManifest& from = backup.manifest;
   const ManifestFile manifest{kFormat, kFormatVersion, from.time_s, from.version, from.computer, from.site};
   BackupFiles& files = backup.files;
-  files[kManifestName] = params_to_json(manifest).dump(2) + "\n";
+  files[kManifestName] = json_text(params_to_json(manifest), 2) + "\n";
   std::string sums = sums_of(files);
   std::size_t size = sums.size();
   std::vector<TarEntry> entries{{kManifestName, ""}};

@@ -29,11 +29,11 @@ std::pair<KeptSettings, std::shared_ptr<const Config>> kept_settings(const Setti
 }
 
 std::string to_text(const KeptSettings& settings) {
-  return Json{{kVersionKey, newest_version(settings_migrations())},
-              {"revision", settings.revision},
-              {"settings", settings.tree},
-              {"history", settings.history}}
-             .dump(2) +
+  return json_text(Json{{kVersionKey, newest_version(settings_migrations())},
+                        {"revision", settings.revision},
+                        {"settings", settings.tree},
+                        {"history", settings.history}},
+                   2) +
          "\n";
 }
 

@@ -37,7 +37,7 @@ struct HistoryFile {
 std::string history_text(const CalibrationHistory::ByCamera& records) {
   HistoryFile file;
   for (const auto& [id, of_camera] : records) file.cameras.push_back({id, of_camera});
-  return params_to_json(file).dump(2) + "\n";
+  return json_text(params_to_json(file), 2) + "\n";
 }
 
 CalibrationHistory::ByCamera history_in(const Json& json) {

@@ -153,9 +153,8 @@ std::vector<SupportFile> CalibrationService::support_files() const {
   std::vector<SupportFile> files;
   for (const CameraNow& camera : cameras_.all()) {
     files.push_back({fmt::format("camera_{}/calibration.json", camera.id),
-                     "its calibrations: reports, figures, history", [this, id = camera.id] {
-                       return state_json(id).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-                     }});
+                     "its calibrations: reports, figures, history",
+                     [this, id = camera.id] { return json_text(state_json(id), 2) + "\n"; }});
   }
   return files;
 }

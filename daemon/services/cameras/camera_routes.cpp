@@ -114,7 +114,8 @@ Response set_control(const CameraRoutes& of, const Request& request) {
   const std::size_t before = camera->unsaved_controls().size();
   const Control now = ask_camera(*camera, [&](ControlQueue& queue) { return queue.set(name, value); });
   const int id = camera->settings()->id;
-  log::info("camera {}: {} set to {} by {}, not saved", id, Json(name).dump(), value.dump(), request.address);
+  log::info("camera {}: {} set to {} by {}, not saved", id, json_text(Json(name)), json_text(value),
+            request.address);
   // One event for each control, not for each step of a slider.
   if (camera->unsaved_controls().size() > before)
     of.events.add(

@@ -130,7 +130,7 @@ void CameraService::write_metrics(MetricsText& out) const {
 
 std::vector<SupportFile> CameraService::support_files() const {
   std::vector<SupportFile> files{{"timeline.json", "the last ten minutes, second by second",
-                                  [this] { return watch_.timeline().to_json(600).dump(2) + "\n"; }}};
+                                  [this] { return json_text(watch_.timeline().to_json(600), 2) + "\n"; }}};
   for (const auto& camera : cameras_.list()) {
     const int id = camera->settings()->id;
     files.push_back({fmt::format("camera_{}/picture.jpg", id), "its newest image, in full size",

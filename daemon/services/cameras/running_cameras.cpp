@@ -264,8 +264,8 @@ void RunningCameras::update_robot_heights() {
   const std::lock_guard lock(mutex_);
   const auto teams = teams_now(config_.load()->teams, referee_.team_names());
   // The names are from the network. JSON escapes them, so that they cannot forge a line of the log.
-  log::info("teams: yellow {} {} mm, blue {} {} mm", Json(teams[0].name).dump(), teams[0].robot_height_mm,
-            Json(teams[1].name).dump(), teams[1].robot_height_mm);
+  log::info("teams: yellow {} {} mm, blue {} {} mm", json_text(Json(teams[0].name)), teams[0].robot_height_mm,
+            json_text(Json(teams[1].name)), teams[1].robot_height_mm);
   for (const auto& camera : list())
     camera->change_robot_heights({teams[0].robot_height_mm, teams[1].robot_height_mm});
 }

@@ -22,7 +22,7 @@ EditRequest read_edit_request(const Json& json) {
       out.only_try = value.get<bool>();
     } else if (key != "commands") {
       throw SettingsError(fmt::format(
-          "/{}: {} is not allowed; expected \"commands\" and \"try\": true or false", key, value.dump()));
+          "/{}: {} is not allowed; expected \"commands\" and \"try\": true or false", key, json_text(value)));
     }
   }
   return out;
@@ -32,7 +32,7 @@ Label find_label(const LabelSet& labels, const std::string& name, const std::str
   const auto label = labels.find(name);
   if (label) return *label;
   throw SettingsError(
-      fmt::format("{}: {} is not allowed; expected one of {}", path, Json(name).dump(), labels.names()));
+      fmt::format("{}: {} is not allowed; expected one of {}", path, json_text(Json(name)), labels.names()));
 }
 
 std::string what_they_did(const std::vector<TableEdit>& edits, const LabelSet& labels) {

@@ -14,7 +14,7 @@ Json packet_figures(const HeardPacket& packet, double now_s) {
           {"packets", packet.count},
           {"packets_per_s", packet.per_s},
           {"age_s", std::max(0.0, now_s - packet.heard_s)},
-          {"packet", Json::parse(packet_json(packet.bytes))}};
+          {"packet", parse_own_json(packet_json(packet.bytes))}};
 }
 
 /// Why packets that were sent may be missing from the answer; empty if none are missing.

@@ -27,7 +27,7 @@ CheckedSettings check_tree(const Json& settings) {
 /// Shortens a change for the log; the settings' history contains the whole change.
 std::string in_short(const Json& patch) {
   constexpr std::size_t kMaxBytes = 300;
-  std::string text = escaped_text(patch.dump(-1, ' ', false, Json::error_handler_t::replace));
+  std::string text = escaped_text(json_text(patch));
   if (text.size() <= kMaxBytes) return text;
   std::size_t end = kMaxBytes;
   while ((static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;  // do not split a UTF-8 character
@@ -41,7 +41,7 @@ Json answer_of(const SettingsStore::Version& version) {
 }
 
 std::string indented(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 /// Answers an edit of an older revision with HttpError 409 and the changes since.

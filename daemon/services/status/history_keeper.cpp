@@ -125,7 +125,7 @@ void HistoryKeeper::save(bool ended) {
   }
   std::string problem;
   try {
-    write_file_durably(file_, saved.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+    write_file_durably(file_, json_text(saved) + "\n");
   } catch (const std::exception& error) {
     problem = error.what();
   }

@@ -16,7 +16,7 @@ namespace sslv {
 namespace {
 
 std::string pretty(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 /// For monitoring: 200 unless there is a problem.

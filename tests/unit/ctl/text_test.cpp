@@ -61,7 +61,7 @@ TEST(TerminalText, IsPlainWhateverTheDaemonSays) {
   const std::string text = answer_text(bad, false, alerts_text);
   EXPECT_EQ(text, "bad   \\u001b[2J\\u0007\\u009b\\u007f \\u202e\n      a\\b\\u000aGO\n");
   const std::string json = answer_text(bad, true, alerts_text);
-  EXPECT_TRUE(is_plain_text(json_text(bad, -1)));
+  EXPECT_TRUE(is_plain_text(terminal_json(bad, -1)));
   EXPECT_EQ(Json::parse(json), bad) << "JSON stays what it is";
 }
 
