@@ -7,61 +7,34 @@
 # Exit code: the tests'; 64: wrong arguments; 77: a bare system cannot be made here.
 set -euo pipefail
 
-# --inside SYSTEM ARCHIVES HOME COMMAND...: the part of `enter` that runs inside the new namespaces.
-if [[ ${1:-} == --inside ]]; then
-  mount --rbind "$2" "$2" && cd "$2"
-  mount -t proc proc proc && mount --rbind /dev dev && mount --rbind /sys sys && mount -t tmpfs tmpfs run
-  mount --bind "$3" var/cache/apt/archives
-  # Not chroot: processes in it cannot create namespaces, as browsers and tests do.
-  mkdir old && pivot_root . old && umount -l old && rmdir old
-  cd "$4/ssl-visiond"
-  exec env -i HOME="$4" PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 "${@:5}"
-fi
-
 cannot() { printf 'fresh: %s\n' "$*" >&2; exit 77; }
+# shellcheck source=tests/bare.sh
+. "$(dirname "${BASH_SOURCE[0]}")/bare.sh"
 case ${1:-} in
   12) suite=bookworm ;;
   13) suite=trixie ;;
   *) printf 'fresh: there is no Debian "%s" here: 12 or 13\n' "${1:-}" >&2; exit 64 ;;
 esac
-release=$1 self=$(realpath "${BASH_SOURCE[0]}")
-sources=$(dirname "$self")/..
+release=$1 sources=$(realpath "$(dirname "${BASH_SOURCE[0]}")/..")
 mkdir -p "$2" && cd "$2"
-mirror=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
 ((EUID == 0)) || cannot "needs root"
-for tool in debootstrap git unshare pivot_root; do
-  command -v "$tool" >/dev/null || cannot "there is no $tool"
-done
-
-# ---- a bare system
 
 base=debian-$release system=system-$release logs=logs-$release
-if [[ ! -e $base/.complete ]]; then
-  printf 'making a bare Debian %s\n' "$release"
-  rm -rf "$base"
-  debootstrap --variant=minbase --include=git,ca-certificates "$suite" "$base" "$mirror" >debootstrap.log 2>&1 ||
-    { tail -n 3 debootstrap.log >&2; cannot "debootstrap could not make a Debian $release"; }
-  touch "$base/.complete"
-fi
+make_debian "$suite" "$base" git
 rm -rf "$system" "$logs"
 cp -a --reflink=auto "$base" "$system"
 mkdir -p "$logs" "archives-$release"
 logs=$(realpath "$logs")
-# Uses this machine's network settings to reach the mirrors.
-cp -L /etc/resolv.conf /etc/hosts "$system/etc/"
-apt-config dump Acquire | grep -E '^Acquire::(http|https|Check)[A-Za-z:-]* "..*";' >"$system/etc/apt/apt.conf.d/90host" || true
-find /usr/local/share/ca-certificates -name '*.crt' -exec cp -t "$system/usr/local/share/ca-certificates" {} + 2>/dev/null || true
-chroot "$system" update-ca-certificates >/dev/null 2>&1
+use_network "$system"
 
 home="/home/a stranger"
 mkdir -p "$system$home"
 git clone -q --depth 1 "file://$sources" "$system$home/ssl-visiond"
 chroot "$system" dpkg-query -W -f '${Package}\n' | sort >"$logs/packages.before"
 
-# enter COMMAND...: runs COMMAND in the clone; leaves no mount and no process behind.
 enter() {
-  unshare --mount --pid --fork --kill-child --propagation private \
-    "$self" --inside "$PWD/$system" "$PWD/archives-$release" "$home" "$@"
+  enter_debian "$system" "archives-$release:/var/cache/apt/archives" \
+    env -C "$home/ssl-visiond" HOME="$home" "$@"
 }
 # Prefixes each line with Unix time in s.
 with_times() { while IFS= read -r line; do printf '%s %s\n' "$EPOCHSECONDS" "$line"; done; }

@@ -5,7 +5,8 @@
 
 cannot() { printf 'package test: %s\n' "$*" >&2; exit 77; }
 ((EUID == 0)) || cannot "needs root"
-for tool in debootstrap systemd-nspawn nsenter curl jq; do
+. "${BASH_SOURCE[0]%/*}/../bare.sh"
+for tool in systemd-nspawn nsenter curl jq; do
   command -v "$tool" >/dev/null || cannot "there is no $tool"
 done
 
@@ -40,19 +41,6 @@ is() { [[ $1 == "$2" ]] || { printf 'expected "%s", found "%s"\n' "$2" "$1"; ret
 # ---- the container
 
 in_folder() { chroot "$1" env DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 "${@:2}"; }
-
-# make_debian RELEASE FOLDER PACKAGES: a minimal Debian; kept for the next run.
-make_debian() {
-  [[ ! -e $2/.complete ]] || return 0
-  rm -rf "$2"
-  debootstrap --variant=minbase --include="$3" "$1" "$2" "${DEBIAN_MIRROR:-http://deb.debian.org/debian}" \
-    >debootstrap.log 2>&1 || { tail -n 3 debootstrap.log; cannot "debootstrap could not make a Debian $1"; }
-  echo '127.0.0.1 localhost' >"$2/etc/hosts"
-  # Uses this machine's configuration to reach a mirror.
-  apt-config dump Acquire | grep -E '^Acquire::(http|https|ftp|Check|Max)[A-Za-z:-]* "..*";' >"$2/etc/apt/apt.conf.d/90host" || true
-  touch "$2/.complete"
-  passed "a bare Debian ($1) is made, $(du -sm "$2" | cut -f 1) MB"
-}
 
 find_leader() {
   local status

@@ -22,6 +22,7 @@ stages=$(echo "$packages"/ssl-visiond-stages-dev_*.deb)
 # shellcheck disable=SC1091
 debian=debian-$(. /etc/os-release && echo "$VERSION_ID") codename=$(. /etc/os-release && echo "$VERSION_CODENAME")
 make_debian "$codename" "$debian" systemd-sysv,dbus,udev
+use_network "$debian"
 cp "$service" "$dev" "$debian/root/"
 fetch() {
   in_folder "$debian" apt-get -q -y --download-only install "/root/${service##*/}" &&
