@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
@@ -240,6 +241,20 @@ TEST(Client, RefusesInvalidAndTooDeepJson) {
         answering("HTTP/1.1 200 OK\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body);
     const Client client(server.address(), std::make_shared<SignIn>());
     EXPECT_EQ(refusal([&] { client.get_json("/api/x"); }), "/api/x: the answer is not JSON of a daemon");
+  }
+}
+
+TEST(Client, SendsOnlyUtf8) {
+  // Otherwise a password typed in a terminal with another encoding would become another password.
+  const Client client("http://127.0.0.1:1", std::make_shared<SignIn>());
+  for (const auto& send :
+       std::vector<std::function<void(const Json&)>>{[&](const Json& body) { client.post("/", body); },
+                                                     [&](const Json& body) { client.put("/", body); },
+                                                     [&](const Json& body) { client.patch("/", body); }}) {
+    EXPECT_EQ(refusal([&] {
+                send({{"password", "gr\xfcn"}});
+              }),
+              "only UTF-8 can be sent: check your terminal's encoding");
   }
 }
 
