@@ -4,16 +4,13 @@
 // Prints Markdown; exit code 1 if a limit is exceeded. Environment: SSLV_DAEMON, SSLV_CHROMIUM.
 // Not part of the tests, as it also measures the machine.
 import { readdirSync, readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
 import { loadavg } from 'node:os';
 import { join } from 'node:path';
 import { setTimeout as pause } from 'node:timers/promises';
 import { gzipSync } from 'node:zlib';
+import { launch } from '../e2e/browser.mjs';
 import { createService, root } from '../e2e/service.mjs';
 import { createLink } from '../e2e/slow_link.mjs';
-
-const require = createRequire(join(root, 'webui/package.json'));
-const { chromium } = require('playwright-core');
 
 const SECONDS = Number(process.argv[2] ?? 15);
 const LINK_KBPS = 8000;
@@ -88,7 +85,7 @@ let link = null;
 let failed = false;
 try {
   await service.start();
-  browser = await chromium.launch({ executablePath: process.env.SSLV_CHROMIUM ?? '/usr/bin/chromium', chromiumSandbox: process.getuid() !== 0, args: ['--disable-gpu'] });
+  browser = await launch();
   link = await createLink(() => service.settings.panel.port, { slice_ms: 1, burst_ms: 4 });
   link.limit(LINK_KBPS);
   const rows = [
