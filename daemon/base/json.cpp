@@ -14,6 +14,12 @@ std::string json_text(const Json& value, int indent) {
   return value.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
+std::string reason_of(const Json::exception& error) {
+  const std::string what = error.what();  // "[json.exception.parse_error.101] parse error at ..."
+  const auto end = what.find("] ");
+  return end == std::string::npos ? what : what.substr(end + 2);
+}
+
 bool is_utf8(const Json& value) {
   try {
     static_cast<void>(value.dump());

@@ -20,6 +20,9 @@ std::string json_text(const Json& value, int indent = -1);
 /// Whether all texts are UTF-8, so that json_text() keeps them.
 bool is_utf8(const Json& value);
 
+/// The library's message without its exception's number.
+std::string reason_of(const Json::exception& error);
+
 /// Parses a text of our own. Throws Json::parse_error.
 Json parse_own_json(std::string_view text);
 

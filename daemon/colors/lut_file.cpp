@@ -88,7 +88,7 @@ ColorTable table_of_json(Bytes bytes, const std::string& file_name, const LabelS
   } catch (const std::length_error& error) {
     refuse_file(file_name, "{}", error.what());
   } catch (const Json::exception& error) {
-    refuse_file(file_name, "is not valid JSON: {}", error.what());
+    refuse_file(file_name, "is not valid JSON: {}", reason_of(error));
   }
   if (!json.is_object() || json.value("format", Json()) != Json(kFormat))
     refuse_file(file_name, "is JSON, but not a colour table: \"format\" is not \"{}\"", kFormat);

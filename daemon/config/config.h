@@ -174,7 +174,7 @@ struct Config {
         group("network", &Config::network, "where packets are sent to and received from"),
         group("recording", &Config::recording, "which matches are recorded, and the disk space for them"),
         group("panel", &Config::panel, "where the web panel listens"),
-        list("cameras", &Config::cameras, "the cameras of this daemon", limits::kMaxCameras),
+        list("cameras", &Config::cameras, "the cameras of this service", limits::kMaxCameras),
     };
   }
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/controls.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 namespace sslv {
@@ -67,6 +69,15 @@ Json set_control(const Client& daemon, int camera_id, const std::string& assignm
   const std::string path = fmt::format("/api/cameras/{}/controls", camera_id);
   if (equals == std::string::npos) return daemon.post(path + '/' + name, Json::object());
   const Json value = value_of(assignment.substr(equals + 1));
+  const auto control = [&] {
+    const Json controls = daemon.get_json(path).at("controls");
+    const auto found = std::find_if(controls.begin(), controls.end(),
+                                    [&](const Json& one) { return one.at("name") == name; });
+    if (found == controls.end())
+      throw ClientError(fmt::format("camera {} has no control \"{}\"", camera_id, name));
+    return *found;
+  };
+  control();  // if there is none, nothing is saved
   if (!save) return daemon.post(path + '/' + name, {{"value", value}});
   const Json settings = daemon.get_json("/api/settings").at("settings");
   const std::size_t place = place_of(settings.at("cameras"), camera_id);
@@ -76,11 +87,7 @@ Json set_control(const Client& daemon, int camera_id, const std::string& assignm
                          {"value", value}}});
   for (const Json& refusal : saved.value("refused", Json::array()))
     throw ClientError("saved, but not taken by the camera: " + refusal.get<std::string>());
-  const Json now = daemon.get_json(path);
-  for (const Json& control : now.at("controls")) {
-    if (control.at("name") == name) return control;
-  }
-  throw ClientError(fmt::format("{}: the camera has no such control", name));
+  return control();
 }
 
 }  // namespace sslv

@@ -121,11 +121,14 @@ std::string alerts_text(const Json& alerts) {
 std::string checks_text(const Json& checks) {
   std::vector<std::vector<std::string>> rows;
   for (const Json& check : checks.at("checks")) {
+    const auto value = check.at("value").get<std::string>(), unit = check.at("unit").get<std::string>();
+    const bool has_figure = value != "\u2013";
     rows.push_back({check.at("state").get<std::string>(), check.at("title").get<std::string>(),
+                    has_figure ? value + (unit.empty() ? "" : " ") + unit : "",
                     check.at("text").get<std::string>()});
   }
   return (checks.at("go") == true ? "GO\n" : "NO-GO\n") +
-         table_text({{"state"}, {"check"}, {"what was found"}}, rows);
+         table_text({{"state"}, {"check"}, {"figure"}, {"what was found"}}, rows);
 }
 
 std::string log_line_text(const Json& line) {

@@ -111,7 +111,7 @@ Json apply_patch(Json document, const Json& patch, const PatchLimits& limits) {
     }
   } catch (const Json::exception& error) {
     throw SettingsError(
-        fmt::format("not a JSON Patch that fits the settings: {}", shortened(error.what(), 300)));
+        fmt::format("not a JSON Patch that fits the settings: {}", shortened(reason_of(error), 300)));
   }
   return document;
 }

@@ -115,7 +115,7 @@ Json read_json_file(const fs::path& file) {
     const auto upto = text.substr(0, error.byte > 0 ? error.byte - 1 : 0);
     const auto line = 1 + std::count(upto.begin(), upto.end(), '\n');
     const auto column = upto.size() - (upto.rfind('\n') == std::string::npos ? 0 : upto.rfind('\n') + 1) + 1;
-    std::string what = error.what();  // "[json.exception...] parse error at line 1, column 2: <the reason>"
+    const std::string what = reason_of(error);  // "parse error at line 1, column 2: <the reason>"
     const auto reason = what.find(": ");
     throw SettingsError(fmt::format("{}: line {}, column {}: not valid JSON: {}", file.string(), line, column,
                                     reason == std::string::npos ? what : what.substr(reason + 2)));

@@ -106,7 +106,7 @@ Json parse_json(std::string_view text) {
   } catch (const std::length_error& error) {
     throw HttpError(400, error.what());
   } catch (const Json::exception& error) {
-    throw HttpError(400, "not JSON: " + shortened(error.what(), 300));
+    throw HttpError(400, "not JSON: " + shortened(reason_of(error), 300));
   }
 }
 

@@ -446,7 +446,13 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Arguments, WrongOnesExitWithCode64) {
   EXPECT_EQ(run_to_end({daemon_program(), "--no-such-option"}).exit_code, 64);
   EXPECT_EQ(run_to_end({daemon_program()}).exit_code, 64);
-  EXPECT_EQ(run_to_end({ctl_program(), "no-such-command"}).exit_code, 64);
+  const auto unknown = run_to_end({ctl_program(), "no-such-command"});
+  EXPECT_EQ(unknown.exit_code, 64);
+  EXPECT_EQ(unknown.output, "ssl-visionctl: no command \"no-such-command\" (--help lists all)\n");
+  EXPECT_EQ(run_to_end({ctl_program(), "chekc"}).output,
+            "ssl-visionctl: no command \"chekc\"; did you mean \"check\"? (--help lists all)\n");
+  EXPECT_EQ(run_to_end({ctl_program(), "match-log", "lst"}).output,
+            "ssl-visionctl match-log: no command \"lst\"; did you mean \"list\"? (--help lists all)\n");
   EXPECT_THAT(run_to_end({daemon_program(), "--config", "/no/such.json"}).output,
               AllOf(HasSubstr("/no/such.json"), HasSubstr("No such file")));
   EXPECT_THAT(run_to_end({daemon_program(), "--version"}).output,

@@ -353,7 +353,7 @@ describe('match logs', () => {
     await service.patch({ op: 'add', path: '/recording', value: { match_logs: 'by_game_controller', quota_mb: 10, keep_free_mb: 10_000_000 } });
     const refused = await ask('POST', '/match-log', { record: true });
     assert.equal(refused.status, 507);
-    assert.match(refused.json.error, /of the disk are free, of which recordings leave 10000000 MB \(\/recording\/keep_free_mb\)/);
+    assert.match(refused.json.error, /GB of the disk are free; recordings leave 10000\.0 GB \(\/recording\/keep_free_mb\)/);
     said = { ...TEAMS, stage: 1, command: START };
     const { match_log } = await isNow('failed');
     assert.match(match_log.error, /keep_free_mb/);

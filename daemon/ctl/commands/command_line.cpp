@@ -6,13 +6,16 @@
 #include "config/version.h"
 #include "ctl/terminal_text.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <iostream>
+#include <numeric>
 #include <optional>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <sysexits.h>
@@ -24,6 +27,45 @@ namespace {
 
 [[noreturn]] void refuse_to_write(const std::string& file) {
   throw StorageError(fmt::format("cannot write {}: {}", file, std::strerror(errno)));
+}
+
+/// The innermost command that was given.
+const CLI::App& deepest_command(const CLI::App& app) {
+  const auto given = app.get_subcommands();
+  return given.empty() ? app : deepest_command(*given.front());
+}
+
+/// As the user types it.
+std::string full_name(const CLI::App& command) {
+  const CLI::App* group = command.get_parent();
+  return (group != nullptr ? full_name(*group) + " " : "") + command.get_name();
+}
+
+/// Levenshtein distance.
+std::size_t edits_between(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t j = 0; j < b.size(); ++j)
+      diagonal = std::exchange(row[j + 1],
+                               std::min({row[j + 1] + 1, row[j] + 1, diagonal + (a[i] == b[j] ? 0 : 1)}));
+  }
+  return row.back();
+}
+
+std::string unknown_command(const CLI::App& group, const std::string& word) {
+  constexpr std::size_t kMaxEdits = 2;
+  std::string alike;
+  std::size_t fewest = kMaxEdits + 1;
+  for (const CLI::App* command : group.get_subcommands([](const CLI::App*) { return true; })) {
+    const std::size_t edits = edits_between(word, command->get_name());
+    if (edits >= fewest) continue;
+    fewest = edits;
+    alike = command->get_name();
+  }
+  return fmt::format("{}: no command \"{}\"{} (--help lists all)\n", full_name(group), escaped_text(word),
+                     alike.empty() ? "" : fmt::format("; did you mean \"{}\"?", alike));
 }
 
 }  // namespace
@@ -73,6 +115,12 @@ void CommandLine::on(CLI::App* command, std::function<int()> action) {
 int CommandLine::parse_and_act(int argc, char** argv) {
   try {
     app.parse(argc, argv);
+  } catch (const CLI::RequiredError& error) {
+    const CLI::App& group = deepest_command(app);
+    const auto words_left = group.remaining();
+    if (words_left.empty()) return app.exit(error) == 0 ? EXIT_SUCCESS : EX_USAGE;
+    std::cerr << unknown_command(group, words_left.front());
+    return EX_USAGE;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? EXIT_SUCCESS : EX_USAGE;
   }
@@ -86,6 +134,9 @@ int CommandLine::run(int argc, char** argv) {
   } catch (const SettingsError& error) {
     std::cerr << app.get_name() << ": " << escaped_lines(error.what()) << "\n";
     return EX_CONFIG;
+  } catch (const Json::exception& error) {
+    std::cerr << app.get_name() << ": " << escaped_lines(reason_of(error)) << "\n";
+    return EXIT_FAILURE;
   } catch (const std::exception& error) {
     std::cerr << app.get_name() << ": " << escaped_lines(error.what()) << "\n";
     return EXIT_FAILURE;

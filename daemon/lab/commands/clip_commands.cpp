@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -153,9 +152,11 @@ void add_clip(CommandLine& line) {
       group->add_subcommand("export", "write a clip's frames as files, with what was found in them");
   o->choice.add_to(write);
   write->add_option("--output", o->to.folder, "new folder to write to")->required();
-  const std::map<std::string, ExportFormat> formats{{"png", ExportFormat::kPng}, {"raw", ExportFormat::kRaw}};
-  write->add_option("--format", o->to.format, "png: RGB; raw: the camera's bytes")
-      ->transform(CLI::CheckedTransformer(formats))
+  const auto set_format = [o](const std::string& name) {
+    o->to.format = name == "raw" ? ExportFormat::kRaw : ExportFormat::kPng;
+  };
+  write->add_option_function<std::string>("--format", set_format, "png: RGB; raw: the camera's bytes")
+      ->check(CLI::IsMember({"png", "raw"}))
       ->default_str("png");
   write->add_flag("--coco", o->to.with_coco, "what was found as COCO's JSON, too: boxes of robots and balls");
   write->add_flag(

@@ -15,7 +15,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -206,11 +205,13 @@ void add_score(CommandLine& line) {
   command->add_option("--frames", o->suite.frames, "images for each condition")
       ->check(CLI::Range(1, 100000))
       ->needs(suite);
-  const std::map<std::string, AccuracyColors> colors{{"clicked", AccuracyColors::kClicked},
-                                                     {"learnt", AccuracyColors::kLearnt}};
+  const auto set_colors = [o](const std::string& name) {
+    o->suite.colors = name == "learnt" ? AccuracyColors::kLearnt : AccuracyColors::kClicked;
+  };
   command
-      ->add_option("--colors", o->suite.colors, "make the colour tables of clicks, or learn them without any")
-      ->transform(CLI::CheckedTransformer(colors))
+      ->add_option_function<std::string>("--colors", set_colors,
+                                         "make the colour tables of clicks, or learn them without any")
+      ->check(CLI::IsMember({"clicked", "learnt"}))
       ->needs(suite);
   CLI::Option* markdown =
       command->add_flag("--markdown", o->as_markdown, "the suite's tables as Markdown")->needs(suite);

@@ -26,7 +26,7 @@ void add_empty_alert(std::vector<Alert>& alerts, const ColorFacts& camera) {
        .check = "colors",
        .severity = Severity::kBad,
        .title = fmt::format("Camera {}: the colour table has no {}", camera.camera_id,
-                            fmt::join(camera.missing_labels, " and no ")),
+                            fmt::join(camera.missing_labels, ", no ")),
        .fix = "Nothing of that colour can be found: learn the colours, import a table, or undo the change.",
        .page = fmt::format("#/colours/{}", camera.camera_id),
        .camera = camera.camera_id});

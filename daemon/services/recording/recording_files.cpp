@@ -273,9 +273,8 @@ Room RecordingFiles::make_room(const RecordingSettings& settings, RoomFor whom, 
   if (counted - gained > quota && whom != RoomFor::kMatchLog) throw StorageError(room.problem);
   if (use.free_bytes + gained < keep_free + wanted_bytes)
     throw StorageError(
-        fmt::format("only {} MB of the disk are free, of which recordings leave {} MB "
-                    "(/recording/keep_free_mb)",
-                    use.free_bytes / kMb, settings.keep_free_mb));
+        fmt::format("{:.1f} GB of the disk are free; recordings leave {:.1f} GB (/recording/keep_free_mb)",
+                    static_cast<double>(use.free_bytes) * 1e-9, settings.keep_free_mb * 1e-3));
   for (const std::string& name : goes) {
     if (!remove(name)) continue;
     log::info("recording {} was removed to make room", name);

@@ -20,5 +20,14 @@ TEST(JsonText, ReplacesWhatIsNotUtf8) {
   EXPECT_FALSE(is_utf8(Json{{"list", {1, {{"gr\xfcn", 2}}}}})) << "keys too";
 }
 
+TEST(JsonReason, NamesNoExceptionOfTheLibrary) {
+  try {
+    parse_own_json("[1,");
+    FAIL();
+  } catch (const Json::exception& error) {
+    EXPECT_EQ(reason_of(error).rfind("parse error at line 1, column 4: ", 0), 0U) << reason_of(error);
+  }
+}
+
 }  // namespace
 }  // namespace sslv

@@ -94,13 +94,15 @@ TEST(AlertsText, TheWorstFirst) {
 
 TEST(ChecksText, BeginWithGoOrNoGo) {
   const Json checks = Json::parse(R"({"go": false, "checks": [
-    {"id": "cameras", "title": "Cameras", "state": "fail", "text": "camera 0 is lost"},
-    {"id": "clock", "title": "Clock", "state": "pass", "text": "0.1 ms off"}]})");
+    {"id": "cameras", "title": "Cameras", "state": "fail", "value": "1 of 2", "unit": "", "text": "camera 0 is lost"},
+    {"id": "latency", "title": "Latency", "state": "pass", "value": "4.1", "unit": "ms", "text": "p99, limit 5 ms"},
+    {"id": "clock", "title": "Clock", "state": "pass", "value": "–", "unit": "", "text": "synchronised"}]})");
   EXPECT_EQ(checks_text(checks),
             "NO-GO\n"
-            "state  check    what was found\n"
-            "fail   Cameras  camera 0 is lost\n"
-            "pass   Clock    0.1 ms off\n");
+            "state  check    figure  what was found\n"
+            "fail   Cameras  1 of 2  camera 0 is lost\n"
+            "pass   Latency  4.1 ms  p99, limit 5 ms\n"
+            "pass   Clock            synchronised\n");
 }
 
 TEST(Quantile, LiesWithinItsBin) {
