@@ -15,6 +15,12 @@ std::string shown(const Json& number, const char* unit, int digits = 2) {
   return number.is_number() ? fmt::format("{:.{}f} {}", number.get<double>(), digits, unit) : "not known";
 }
 
+/// The estimate is linear, so large errors are only known to be large.
+std::string shown_error(const Json& error_mm) {
+  constexpr double kMaxMm = 1000;
+  return error_mm.is_number() && error_mm.get<double>() > kMaxMm ? "over 1 m" : shown(error_mm, "mm");
+}
+
 /// Starts a calibration and waits for its report.
 Json report_of(const Client& daemon, const std::string& path, const Json& request) {
   Json state = daemon.post(path, request);
@@ -65,14 +71,15 @@ Json calibrate_together(const Client& daemon, const Json& request) {
 std::string calibration_text(const Json& report) {
   std::string out;
   if (report.at("found") == true) {
-    out += report.at("accepted") == true ? "Calibrated: accepted.\n" : "Calibrated, but NOT accepted.\n";
+    out +=
+        report.at("accepted") == true ? "Calibrated: good enough.\n" : "Calibrated, but NOT good enough.\n";
     out +=
         fmt::format("  lines              {} off on average, {} at most; {:.0f} % of those in view found\n",
                     shown(report.at("rms_px"), "px"), shown(report.at("worst_px"), "px"),
                     100 * report.at("found_share").get<double>());
     out += fmt::format("  expected errors    {} on the floor, {} at 150 mm\n",
-                       shown(report.at("expected_on_floor_mm"), "mm"),
-                       shown(report.at("expected_at_150_mm"), "mm"));
+                       shown_error(report.at("expected_on_floor_mm")),
+                       shown_error(report.at("expected_at_150_mm")));
     out += fmt::format("  height             {}, accurate to {}\n", shown(report.at("height_mm"), "mm", 0),
                        shown(report.at("height_sigma_mm"), "mm", 0));
     if (report.at("moved_on_floor_mm").is_number()) {
@@ -98,8 +105,8 @@ std::string calibration_text(const Json& report) {
 std::string joint_calibration_text(const Json& report) {
   std::string out;
   if (report.at("found") == true) {
-    out += report.at("accepted") == true ? "Calibrated together: accepted.\n"
-                                         : "Calibrated together, but NOT accepted.\n";
+    out += report.at("accepted") == true ? "Calibrated together: good enough.\n"
+                                         : "Calibrated together, but NOT good enough.\n";
     const auto disagreement = [&](const char* what, const char* key, int count, const char* of) {
       const Json& value = report.at(key);
       out += value.is_object() ? fmt::format("  {:<10}{} apart, before {} ({} {})\n", what,

@@ -15,6 +15,8 @@
 namespace sslv {
 namespace {
 
+constexpr const char* kNotApplied = "Not applied: --accept applies it.\n";
+
 struct ServiceOptions {
   CalibrateOptions common;
   int camera_id = 0;
@@ -29,10 +31,9 @@ int calibrate_several_cameras(const ServiceOptions& o, const Client& client) {
                                                   {"seconds", o.together_s},
                                                   {"force", o.force}});
   const int exit_code = o.common.tell(report, joint_calibration_text);
-  if (o.accept && exit_code == EXIT_SUCCESS) {
-    client.post("/api/calibration/accept", {{"force", o.force}});
-    std::cerr << "They are in use.\n";
-  }
+  if (exit_code != EXIT_SUCCESS) return exit_code;
+  if (o.accept) client.post("/api/calibration/accept", {{"force", o.force}});
+  std::cerr << (o.accept ? "They are in use.\n" : kNotApplied);
   return exit_code;
 }
 
@@ -41,10 +42,10 @@ int calibrate_camera(const ServiceOptions& o, const Client& client) {
   asked["force"] = o.force;
   const Json report = calibrate_running(client, o.camera_id, asked);
   const int exit_code = o.common.tell(report, calibration_text);
-  if (o.accept && exit_code == EXIT_SUCCESS) {
+  if (exit_code != EXIT_SUCCESS) return exit_code;
+  if (o.accept)
     client.post(fmt::format("/api/cameras/{}/calibration/accept", o.camera_id), {{"force", o.force}});
-    std::cerr << "It is in use.\n";
-  }
+  std::cerr << (o.accept ? "It is in use.\n" : kNotApplied);
   return exit_code;
 }
 
