@@ -47,7 +47,7 @@ TEST_F(CalibrateFiles, ClicksInAnyOrderBecomeTheCamera) {
   const auto run = calibrate({"--field", "division-b", "--points", points, "--height", "4000", "--previous",
                               previous, "--report", folder_.file("report.json")});
   EXPECT_EQ(run.exit_code, 0) << run.output;
-  EXPECT_THAT(run.output, AllOf(HasSubstr("accepted"), HasSubstr("expected errors"),
+  EXPECT_THAT(run.output, AllOf(HasSubstr("good enough"), HasSubstr("expected errors"),
                                 HasSubstr("since the previous"), Not(HasSubstr("looks wrong"))));
   // In the format of the settings, so that it can be pasted.
   const CameraModel found(params_from_json<CameraCalibration>(json_in("calibration.json"), ""));
