@@ -47,13 +47,7 @@ class Calibrator {
         prior_(prior_of(task, picture)) {}
 
   CalibrationReport run() {
-    std::optional<Solution> best = clicks_.pixels.empty() ? propose() : solve(clicks_.pixels, prior_);
-    const bool all_fits =
-        best && verdict(best->refined).is_acceptable() && !clicks_.has_far_one(best->refined.camera);
-    if (!all_fits && !clicks_.pixels.empty()) {
-      auto other = solve_without_one();
-      if (other && !(best && best->refined.score() >= other->refined.score())) best = std::move(other);
-    }
+    std::optional<Solution> best = clicks_.pixels.empty() ? propose() : solve_clicks();
     if (best && !stop_.stop_requested()) return finish(std::move(*best));
     CalibrationReport none;
     none.problems = std::move(problems_);
@@ -66,18 +60,39 @@ class Calibrator {
   }
 
  private:
+  bool all_fits(const std::optional<Solution>& solution) const {
+    return solution && verdict(solution->refined).is_acceptable() &&
+           !clicks_.has_far_one(solution->refined.camera);
+  }
+
+  /// Tries in turn: the clicks as they are; with names that may be swapped; the camera found without clicks,
+  /// if all confirm it; all clicks but one. Returns the first that fits, or the best.
+  std::optional<Solution> solve_clicks() {
+    std::optional<Solution> best = solve(clicks_, prior_, clicks_.names_known);
+    const auto keep = [&](std::optional<Solution> other) {
+      if (other && !(best && best->refined.score() >= other->refined.score())) best = std::move(other);
+    };
+    if (!all_fits(best) && clicks_.names_known) keep(solve(clicks_, prior_, false));
+    if (all_fits(best)) return best;
+    if (auto found = propose(); all_fits(found) && turn_to_names(*found)) return found;
+    keep(solve_without_one());
+    return best;
+  }
+
   /// Number of clicks that the guess assigns to the points named by the user.
-  std::size_t agreeing(const PoseGuess& guess) const {
-    if (!clicks_.names_known || guess.place_of_pixel.size() != clicks_.places.size()) return 0;
+  static std::size_t agreeing(const PoseGuess& guess) {
     std::size_t count = 0;
-    for (std::size_t i = 0; i < clicks_.places.size(); ++i) count += guess.place_of_pixel[i] == i ? 1 : 0;
+    for (std::size_t i = 0; i < guess.place_of_pixel.size(); ++i)
+      count += guess.place_of_pixel[i] == i ? 1 : 0;
     return count;
   }
 
-  std::optional<Solution> solve(std::span<const Eigen::Vector2d> pixels, const CameraPrior& prior) {
+  /// `by_names`: each click shows the point of its name; otherwise any of `clicks.places`.
+  std::optional<Solution> solve(const Clicks& clicks, const CameraPrior& prior, bool by_names) {
     std::vector<Eigen::Vector2d> places;
-    for (const NamedPoint& place : clicks_.places) places.push_back(place.place_mm);
-    auto guesses = guess_poses(pixels, places, true, task_.click_sigma_px, picture_, curves_, prior, stop_);
+    for (const NamedPoint& place : clicks.places) places.push_back(place.place_mm);
+    auto guesses =
+        guess_poses(clicks.pixels, places, by_names, task_.click_sigma_px, picture_, curves_, prior, stop_);
     // Keep the best guess of each orientation: most of a field's lines fit equally well when rotated by 180
     // deg.
     constexpr double kMaxBehind = 0.45;
@@ -103,7 +118,7 @@ class Calibrator {
                                    {kFirstWindowShare * picture_.width(), false}, stop_);
       if (!refined) continue;
       const int score = refined->score();
-      tries.push_back({{std::move(*refined)}, agreeing(guess), score});
+      tries.push_back({{std::move(*refined)}, clicks.names_known ? agreeing(guess) : 0, score});
     }
     if (tries.empty()) return std::nullopt;
     auto best = std::max_element(tries.begin(), tries.end(),
@@ -112,19 +127,23 @@ class Calibrator {
       constexpr double kAlike = 0.04;
       if (other == best || best->score - other->score > kAlike * best->solution.refined.expected) continue;
       // Both ends of the field look alike: the clicks' names or knowledge about the camera must decide.
-      const bool by_names = other->agreeing != best->agreeing && task_.plus_x == PlusX::kUnknown;
-      const bool other_is_better = by_names ? other->agreeing > best->agreeing
-                                            : is_right_way_round(other->solution.refined.camera, task_);
+      const bool decided = other->agreeing != best->agreeing && task_.plus_x == PlusX::kUnknown;
+      const bool other_is_better = decided ? other->agreeing > best->agreeing
+                                           : is_right_way_round(other->solution.refined.camera, task_);
       if (other_is_better) best = other;
-      best->solution.either_way_round = !by_names && task_.plus_x == PlusX::kUnknown && !task_.previous;
+      best->solution.either_way_round = !decided && task_.plus_x == PlusX::kUnknown && !task_.previous;
     }
+    const bool names_decide = clicks.names_known && task_.plus_x == PlusX::kUnknown;
+    RefinedCamera& refined = best->solution.refined;
+    if (!names_decide && same_turned(curves_) && !is_right_way_round(refined.camera, task_))
+      turn_round(refined);
     return std::move(best->solution);
   }
 
   /// Without clicks: the best of the cameras that the straight lines suggest.
   std::optional<Solution> propose() {
     const Proposal proposal = propose_cameras(picture_, curves_, prior_, stop_);
-    if (!proposal.problem.empty())
+    if (!proposal.problem.empty() && clicks_.pixels.empty())
       problems_.push_back(proposal.problem + " Click at four corners or crossings instead.");
     struct Found {
       RefinedCamera refined;
@@ -152,6 +171,23 @@ class Calibrator {
       if (!is_right_way_round(best.refined.camera, task_)) turn_round(best.refined);
     }
     return best;
+  }
+
+  /// Turns the field round if the clicks' names demand it. Returns whether the camera shows them.
+  bool turn_to_names(Solution& found) const {
+    if (!clicks_.names_known || shows_names(found.refined.camera)) return true;
+    turn_round(found.refined);
+    found.either_way_round = false;
+    return shows_names(found.refined.camera);
+  }
+
+  bool shows_names(const LensCamera& camera) const {
+    for (std::size_t i = 0; i < clicks_.pixels.size(); ++i) {
+      const Eigen::Vector2d& place = clicks_.places[i].place_mm;
+      const auto seen = camera.project({place.x(), place.y(), 0});
+      if (!seen || (*seen - clicks_.pixels[i]).norm() > clicks_.far_px(camera)) return false;
+    }
+    return true;
   }
 
   /// Whether two cameras see the same part of the field, or parts that look alike.
@@ -186,11 +222,11 @@ class Calibrator {
     std::optional<Solution> best;
     for (std::size_t left_out = 0; left_out < clicks_.pixels.size(); ++left_out) {
       if (stop_.stop_requested()) return std::nullopt;
-      std::vector<Eigen::Vector2d> others;
-      for (std::size_t i = 0; i < clicks_.pixels.size(); ++i) {
-        if (i != left_out) others.push_back(clicks_.pixels[i]);
-      }
-      auto found = solve(others, prior);
+      Clicks others = clicks_;
+      const auto at = static_cast<std::ptrdiff_t>(left_out);
+      others.pixels.erase(others.pixels.begin() + at);
+      if (others.names_known) others.places.erase(others.places.begin() + at);
+      auto found = solve(others, prior, others.names_known);
       if (!found || !verdict(found->refined).is_acceptable()) continue;
       if (best && best->refined.score() >= found->refined.score()) continue;
       best = std::move(found);

@@ -11,7 +11,7 @@ namespace sslv {
 
 /// Calibrates a camera from its image. Takes a few tenths of a second to 1 s; several seconds if nothing
 /// fits. After a stop request, returns early with `found` false. Throws SettingsError if a click names an
-/// unknown point, or if there are one to three clicks.
+/// unknown point, or if there are one or two clicks.
 CalibrationReport calibrate(const MeanPicture& picture, const CalibrationTask& task,
                             const std::stop_token& stop = {});
 

@@ -18,7 +18,7 @@ enum class PlusX : std::uint8_t { kUnknown, kRight, kLeft, kUp, kDown };
 struct CalibrationTask {
   FieldSize field;
   std::optional<LinesMeasured> measured;  // none: choose_model() decides
-  /// Four or more clicks, in any order; a name states only the intended point. Empty: propose_cameras()
+  /// Three or more clicks, in any order; a name states only the intended point. Empty: propose_cameras()
   /// starts from the straight lines in the image.
   std::vector<ClickedPoint> clicks;
   double click_sigma_px = 3;

@@ -26,10 +26,10 @@ const NamedPoint& point_named(const std::string& name, std::size_t click,
 }  // namespace
 
 Clicks read_clicks(std::span<const ClickedPoint> clicked, std::span<const NamedPoint> points) {
-  constexpr std::size_t kMin = 4;
+  constexpr std::size_t kMin = 3;
   if (!clicked.empty() && clicked.size() < kMin) {
     throw SettingsError(
-        fmt::format("/points: {} are too few; expected four or more corners or crossings, or none at all",
+        fmt::format("/points: {} are too few; expected three or more corners or crossings, or none at all",
                     clicked.size()));
   }
   Clicks out;
@@ -59,8 +59,12 @@ Clicks::Meaning Clicks::meaning(std::size_t pixel, const LensCamera& camera) con
       out.off_px = off_px;
     }
   }
-  out.is_far = out.off_px > std::max(kFarClickPx, kFarClickShare * camera.width);
+  out.is_far = out.off_px > far_px(camera);
   return out;
+}
+
+double Clicks::far_px(const LensCamera& camera) {
+  return std::max(kFarClickPx, kFarClickShare * camera.width);
 }
 
 bool Clicks::has_far_one(const LensCamera& camera) const {

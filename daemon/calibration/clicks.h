@@ -34,13 +34,15 @@ struct Clicks {
   };
   Meaning meaning(std::size_t pixel, const LensCamera& camera) const;
   bool has_far_one(const LensCamera& camera) const;
+  /// Largest plausible click error.
+  static double far_px(const LensCamera& camera);
 };
 
 /// Largest plausible click error, as a share of the image's width.
 inline constexpr double kFarClickShare = 0.012;
 
 /// `points`: the named points of the field. Throws SettingsError if a click names none of these points, or if
-/// there are one to three clicks.
+/// there are one or two clicks.
 Clicks read_clicks(std::span<const ClickedPoint> clicked, std::span<const NamedPoint> points);
 
 }  // namespace sslv

@@ -4,9 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <numeric>
 #include <optional>
-#include <set>
+#include <utility>
+
+#include <Eigen/Dense>
 
 namespace sslv {
 namespace {
@@ -36,131 +40,266 @@ bool is_from_above(Points pixels, Points places, const Assignment& place_of) {
   return true;
 }
 
-/// Projection of a camera that looks straight down: pixel = scale * rotation * (x, -y) + shift.
-struct Similarity {
-  double cos = 1, sin = 0;  // cosine and sine of the rotation, times the scale in px/mm
-  Eigen::Vector2d shift_px;
+using Triangle = std::array<std::size_t, 3>;
 
-  Eigen::Vector2d operator()(const Eigen::Vector2d& place_mm) const {
-    const double x = place_mm.x(), y = -place_mm.y();
-    return shift_px + Eigen::Vector2d(cos * x - sin * y, sin * x + cos * y);
-  }
-  double px_per_mm() const { return std::hypot(cos, sin); }
-};
-
-/// Least-squares fit.
-Similarity similarity_of(Points pixels, Points places) {
-  Eigen::Vector2d middle_px(0, 0), middle_mm(0, 0);
-  const auto flipped = [&](std::size_t i) { return Eigen::Vector2d(places[i].x(), -places[i].y()); };
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    middle_px += pixels[i] / static_cast<double>(pixels.size());
-    middle_mm += flipped(i) / static_cast<double>(pixels.size());
-  }
-  double a = 0, b = 0, n = 0;
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const Eigen::Vector2d p = flipped(i) - middle_mm, q = pixels[i] - middle_px;
-    a += p.dot(q);
-    b += p.x() * q.y() - p.y() * q.x();
-    n += p.squaredNorm();
-  }
-  Similarity out{a / n, b / n, middle_px};
-  out.shift_px = Eigen::Vector2d::Zero();
-  out.shift_px = middle_px - out({middle_mm.x(), -middle_mm.y()});
-  return out;
-}
-
-/// A camera looking straight down that projects the field like the similarity `map`.
-LensCamera looking_down(const Similarity& map, int width_px, int height_px, const CameraPrior& prior) {
-  LensCamera out;
-  out.width = width_px;
-  out.height = height_px;
-  out.center_x = prior.center_x;
-  out.center_y = prior.center_y;
-  out.k1 = prior.k1;
-  out.k2 = prior.k2;
-  const double scale = std::max(1e-6, map.px_per_mm()), c = map.cos / scale, s = map.sin / scale;
-  const double height_mm = prior.height_mm.value_or(prior.focal_px / scale);
-  out.focal_px = scale * height_mm;
-  out.rotation << c, s, 0, s, -c, 0, 0, 0, -1;
-  const Eigen::Vector2d d = (Eigen::Vector2d(prior.center_x, prior.center_y) - map.shift_px) / scale;
-  out.position_mm = {c * d.x() + s * d.y(), -(-s * d.x() + c * d.y()), height_mm};
-  return out;
-}
-
-/// For few places: adds all assignments of pixels to places.
-void add_permutations(Points pixels, Points places, std::vector<Assignment>& out) {
-  Assignment order(places.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::set<Assignment> seen;
-  do {
-    Assignment first(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(pixels.size()));
-    if (seen.insert(first).second && is_from_above(pixels, places, first)) out.push_back(std::move(first));
-  } while (std::next_permutation(order.begin(), order.end()));
-}
-
-/// For many places: assigns two pixels to two places, and each other pixel to the place that is nearest under
-/// the similarity through these two.
-void add_by_pairs(Points pixels, Points places, const LinePicture& picture, std::vector<Assignment>& out,
-                  const std::stop_token& stop) {
-  struct Candidate {
-    Assignment place_of;
-    double off_px;
-  };
-  std::vector<Candidate> candidates;
-  const double width = picture.width();
-  const double max_off_px = 0.12 * width;  // tilt and distortion cause deviations from the similarity
+/// The three pixels with the largest area.
+Triangle widest_triangle(Points pixels) {
+  Triangle best{0, 1, 2};
+  double largest = -1;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     for (std::size_t j = i + 1; j < pixels.size(); ++j) {
-      if (stop.stop_requested()) return;
-      if ((pixels[i] - pixels[j]).norm() < 0.15 * width) continue;
-      const std::array pair{pixels[i], pixels[j]};
-      for (std::size_t a = 0; a < places.size(); ++a) {
-        for (std::size_t b = 0; b < places.size(); ++b) {
-          if (a == b) continue;
-          const Similarity map = similarity_of(pair, std::array{places[a], places[b]});
-          if (map.px_per_mm() * 20000 < width || map.px_per_mm() * 1500 > width) continue;
-          Candidate candidate{Assignment(pixels.size()), 0};
-          std::set<std::size_t> taken;
-          for (std::size_t k = 0; k < pixels.size(); ++k) {
-            double nearest = max_off_px;
-            for (std::size_t p = 0; p < places.size(); ++p) {
-              const double off = (map(places[p]) - pixels[k]).norm();
-              if (off >= nearest) continue;
-              nearest = off;
-              candidate.place_of[k] = p;
-            }
-            candidate.off_px += nearest;
-            if (nearest >= max_off_px || !taken.insert(candidate.place_of[k]).second) {
-              candidate.off_px = -1;
-              break;
-            }
-          }
-          if (candidate.off_px >= 0 && is_from_above(pixels, places, candidate.place_of))
-            candidates.push_back(std::move(candidate));
+      for (std::size_t k = j + 1; k < pixels.size(); ++k) {
+        const double area = std::abs(turn_of(pixels[i], pixels[j], pixels[k]));
+        if (area <= largest) continue;
+        largest = area;
+        best = {i, j, k};
+      }
+    }
+  }
+  return best;
+}
+
+/// The cameras of one lens that show three places of the floor at three pixels.
+class CamerasOfTriangle {
+ public:
+  /// `lens`: its pose is ignored.
+  CamerasOfTriangle(const LensCamera& lens, const std::array<Eigen::Vector2d, 3>& pixels) : camera_(lens) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Eigen::Vector2d seen =
+          (pixels[i] - Eigen::Vector2d(lens.center_x, lens.center_y)) / lens.focal_px;
+      const double r2 = seen.squaredNorm();
+      const Eigen::Vector2d straight = seen * (1 + r2 * (lens.k1 + r2 * lens.k2));
+      rays_[i] = Eigen::Vector3d(straight.x(), straight.y(), 1).normalized();
+    }
+  }
+
+  /// Calls `use` with each: at most four. The distances to the places solve a quartic equation (Grunert 1841,
+  /// as in Haralick et al. 1994, "Review and analysis of solutions of the three point perspective pose
+  /// estimation problem").
+  template <typename Use>
+  void for_each(const std::array<Eigen::Vector2d, 3>& places, Use use) {
+    const double cos_a = rays_[1].dot(rays_[2]), cos_b = rays_[0].dot(rays_[2]),
+                 cos_c = rays_[0].dot(rays_[1]);
+    const double b2 = (places[0] - places[2]).squaredNorm();
+    const double a = (places[1] - places[2]).squaredNorm() / b2,
+                 c = (places[0] - places[1]).squaredNorm() / b2;
+    const double d = a - c;
+    const std::array<double, 5> by_power{
+        (1 + d) * (1 + d) - 4 * a * cos_c * cos_c,
+        4 * (-d * (1 + d) * cos_b + 2 * a * cos_c * cos_c * cos_b - (1 - a - c) * cos_a * cos_c),
+        2 * (d * d - 1 + 2 * d * d * cos_b * cos_b + 2 * (1 - c) * cos_a * cos_a -
+             4 * (a + c) * cos_a * cos_b * cos_c + 2 * (1 - a) * cos_c * cos_c),
+        4 * (d * (1 - d) * cos_b - (1 - a - c) * cos_a * cos_c + 2 * c * cos_a * cos_a * cos_b),
+        (d - 1) * (d - 1) - 4 * c * cos_a * cos_a};
+    if (std::abs(by_power[4]) < 1e-12) return;
+    Eigen::Matrix4d companion = Eigen::Matrix4d::Zero();
+    for (int i = 0; i < 4; ++i) companion(i, 3) = -by_power[static_cast<std::size_t>(i)] / by_power[4];
+    for (int i = 0; i < 3; ++i) companion(i + 1, i) = 1;
+    const Eigen::Vector4cd roots = companion.eigenvalues();
+    for (int i = 0; i < 4; ++i) {
+      const double v = roots[i].real();  // distance to the third place over that to the first
+      // Where two solutions meet, inexact pixels make them complex.
+      if (v <= 0 || std::abs(roots[i].imag()) > kMaxImaginary * v) continue;
+      const double divisor = 2 * (cos_c - v * cos_a);
+      if (std::abs(divisor) < 1e-9) continue;
+      const double u = ((d - 1) * v * v - 2 * d * cos_b * v + 1 + d) / divisor;  // the second over the first
+      if (u <= 0) continue;
+      const double first_mm = std::sqrt(b2 / (1 + v * v - 2 * v * cos_b));
+      if (place({first_mm * rays_[0], first_mm * u * rays_[1], first_mm * v * rays_[2]}, places))
+        use(camera_);
+    }
+  }
+
+ private:
+  /// `seen_mm`: the places in the camera's coordinates. Returns whether the camera is above the field.
+  bool place(const std::array<Eigen::Vector3d, 3>& seen_mm, const std::array<Eigen::Vector2d, 3>& places) {
+    const auto frame = [](const Eigen::Vector3d& along, const Eigen::Vector3d& other) {
+      Eigen::Matrix3d out;
+      out.col(0) = along.normalized();
+      out.col(2) = along.cross(other).normalized();
+      out.col(1) = out.col(2).cross(out.col(0));
+      return out;
+    };
+    const auto on_floor = [&](std::size_t i) { return Eigen::Vector3d(places[i].x(), places[i].y(), 0); };
+    camera_.rotation = frame(seen_mm[1] - seen_mm[0], seen_mm[2] - seen_mm[0]) *
+                       frame(on_floor(1) - on_floor(0), on_floor(2) - on_floor(0)).transpose();
+    camera_.position_mm = on_floor(0) - camera_.rotation.transpose() * seen_mm[0];
+    return camera_.position_mm.z() > 0 && is_plausible(camera_);
+  }
+
+  static constexpr double kMaxImaginary = 0.3;
+
+  LensCamera camera_;
+  std::array<Eigen::Vector3d, 3> rays_;
+};
+
+/// Lenses to try: of the prior, and if it is vague, of shorter and longer focal length.
+std::vector<LensCamera> lenses_of(const CameraPrior& prior, int width_px, int height_px) {
+  LensCamera lens;
+  lens.width = width_px;
+  lens.height = height_px;
+  lens.center_x = prior.center_x;
+  lens.center_y = prior.center_y;
+  lens.k1 = prior.k1;
+  lens.k2 = prior.k2;
+  std::vector<LensCamera> out;
+  for (const double sigmas : {0.0, -0.8, 0.8}) {
+    lens.focal_px = prior.focal_px * std::exp(sigmas * prior.focal_share);
+    out.push_back(lens);
+  }
+  return out;
+}
+
+/// Assigns pixels to places: tries all cameras of three pixels, and assigns each other pixel to the nearest
+/// place.
+class AssignmentSearch {
+ public:
+  static constexpr std::size_t kMaxPlaces = 40;  // the time grows with the third power
+
+  AssignmentSearch(Points pixels, Points places, const LinePicture& picture,
+                   std::span<const PaintedCurve> curves, const CameraPrior& prior)
+      : pixels_(pixels),
+        places_(places),
+        picture_(picture),
+        prior_(prior),
+        points_(points_along(curves, kStepMm, kClearMm)),
+        triangle_(widest_triangle(pixels)) {}
+
+  /// The most promising first.
+  std::vector<Assignment> run(const std::stop_token& stop) {
+    for (const double k1 : {0.0, 0.15, 0.4}) {
+      CameraPrior held = prior_;
+      held.k1 = k1;
+      for (const LensCamera& lens : lenses_of(held, picture_.width(), picture_.height())) {
+        if (stop.stop_requested()) return {};
+        try_lens(lens);
+      }
+    }
+    std::vector<std::pair<double, Assignment>> best;
+    best.reserve(found_.size());
+    for (auto& [assignment, found] : found_) {
+      if (!is_minimal()) found.promise = evidence(found.camera) * (1 - found.off_px / max_off_px());
+      best.emplace_back(found.promise, assignment);
+    }
+    std::sort(best.begin(), best.end(), std::greater<>{});
+    if (best.size() > kMax) best.resize(kMax);
+    std::vector<Assignment> out;
+    for (auto& [promise, assignment] : best) out.push_back(std::move(assignment));
+    return out;
+  }
+
+ private:
+  /// The best camera for an assignment.
+  struct Found {
+    double off_px = 1e9;  // largest distance of a pixel from its place
+    LensCamera camera;
+    double promise = 0;
+  };
+
+  void try_lens(const LensCamera& lens) {
+    const std::array pixels{pixels_[triangle_[0]], pixels_[triangle_[1]], pixels_[triangle_[2]]};
+    const double seen_turn = turn_of(pixels[0], pixels[1], pixels[2]);
+    CamerasOfTriangle cameras(lens, pixels);
+    for (std::size_t a = 0; a < places_.size(); ++a) {
+      for (std::size_t b = 0; b < places_.size(); ++b) {
+        for (std::size_t c = 0; c < places_.size(); ++c) {
+          const std::array places{places_[a], places_[b], places_[c]};
+          // The image's y axis points down: seen from above, triangles turn the other way round.
+          if (a == b || turn_of(places[0], places[1], places[2]) * seen_turn >= 0) continue;
+          cameras.for_each(places, [&](const LensCamera& camera) { try_camera(camera, {a, b, c}); });
         }
       }
     }
   }
-  std::sort(candidates.begin(), candidates.end(),
-            [](const Candidate& a, const Candidate& b) { return a.off_px < b.off_px; });
-  constexpr std::size_t kMax = 120;
-  std::set<Assignment> seen;
-  for (Candidate& candidate : candidates) {
-    if (seen.size() >= kMax) break;
-    if (seen.insert(candidate.place_of).second) out.push_back(std::move(candidate.place_of));
+
+  void try_camera(const LensCamera& camera, const Triangle& places) {
+    if (prior_.height_mm && std::abs(std::log(camera.position_mm.z() / *prior_.height_mm)) > kMaxHeightLog)
+      return;
+    Assignment assignment(pixels_.size(), places_.size());
+    for (std::size_t i = 0; i < 3; ++i) assignment[triangle_[i]] = places[i];
+    double off_px = 0;
+    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+      if (assignment[i] < places_.size()) continue;
+      double nearest_px = max_off_px();
+      for (std::size_t p = 0; p < places_.size(); ++p) {
+        if (std::find(assignment.begin(), assignment.end(), p) != assignment.end()) continue;
+        const auto seen = camera.project({places_[p].x(), places_[p].y(), 0});
+        const double here_px = seen ? (*seen - pixels_[i]).norm() : nearest_px;
+        if (here_px >= nearest_px) continue;
+        nearest_px = here_px;
+        assignment[i] = p;
+      }
+      if (assignment[i] == places_.size()) return;
+      off_px = std::max(off_px, nearest_px);
+    }
+    if (!is_from_above(pixels_, places_, assignment)) return;
+    Found& found = found_[assignment];
+    if (is_minimal()) {
+      found.promise = std::max(found.promise, evidence(camera));
+    } else if (off_px < found.off_px) {
+      found.off_px = off_px;
+      found.camera = camera;
+    }
   }
+
+  /// Three points: all cameras fit them equally well.
+  bool is_minimal() const { return pixels_.size() == 3; }
+  double max_off_px() const { return kMaxOffShare * picture_.width(); }
+  double evidence(const LensCamera& camera) const { return line_evidence(camera, points_, picture_); }
+
+  static constexpr double kStepMm = 240, kClearMm = 30;
+  static constexpr double kMaxOffShare = 0.12;   // of the image's width: the lens is not known yet
+  static constexpr double kMaxHeightLog = 0.35;  // for the same reason
+  static constexpr std::size_t kMax = 120;
+
+  Points pixels_, places_;
+  const LinePicture& picture_;
+  const CameraPrior& prior_;
+  std::vector<CurvePoint> points_;
+  Triangle triangle_;
+  std::map<Assignment, Found> found_;
+};
+
+/// Cameras from which to fit points, the best first. Three points have several cameras, and four nearly so.
+std::vector<LensCamera> first_cameras(Points pixels, Points places_mm, int width_px, int height_px,
+                                      const CameraPrior& prior) {
+  struct Start {
+    double off_px;  // mean distance of the points
+    LensCamera camera;
+  };
+  std::vector<Start> all;
+  const Triangle t = widest_triangle(pixels);
+  for (const LensCamera& lens : lenses_of(prior, width_px, height_px)) {
+    CamerasOfTriangle cameras(lens, {pixels[t[0]], pixels[t[1]], pixels[t[2]]});
+    cameras.for_each({places_mm[t[0]], places_mm[t[1]], places_mm[t[2]]}, [&](const LensCamera& camera) {
+      double off_px = 0;
+      for (std::size_t i = 0; i < pixels.size(); ++i) {
+        const auto seen = camera.project({places_mm[i].x(), places_mm[i].y(), 0});
+        off_px += seen ? std::min<double>(width_px, (*seen - pixels[i]).norm()) : width_px;
+      }
+      all.push_back({off_px / static_cast<double>(pixels.size()), camera});
+    });
+  }
+  std::sort(all.begin(), all.end(), [](const Start& a, const Start& b) { return a.off_px < b.off_px; });
+  constexpr double kAlikeShare = 0.01, kAlikeCos = 0.996;  // 5 degrees
+  std::vector<LensCamera> out;
+  for (const Start& start : all) {
+    if (start.off_px > all.front().off_px + kAlikeShare * width_px) break;
+    const bool is_known = std::any_of(out.begin(), out.end(), [&](const LensCamera& other) {
+      return other.rotation.row(2).dot(start.camera.rotation.row(2)) > kAlikeCos;
+    });
+    if (!is_known) out.push_back(start.camera);
+  }
+  return out;
 }
 
-}  // namespace
-
-CameraFit camera_of_points(Points pixels, Points places_mm, double sigma_px, int width_px, int height_px,
-                           const CameraPrior& prior) {
+CameraFit fit_points(LensCamera camera, Points pixels, Points places_mm, double sigma_px,
+                     const CameraPrior& prior) {
   std::vector<Sighting> sightings(pixels.size());
-  LensCamera camera = looking_down(similarity_of(pixels, places_mm), width_px, height_px, prior);
-  // A tilted camera is far from the start, which looks straight down. Fit with a coarse sigma first: with the
+  // Three exact points and a wrong lens are far from the result. Fit with a coarse sigma first: with the
   // final sigma alone, the solver may end in a wrong minimum.
   CameraFit fit;
-  for (const double sigma : {0.02 * width_px, sigma_px}) {
+  for (const double sigma : {0.02 * camera.width, sigma_px}) {
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       sightings[i].place_mm = {places_mm[i].x(), places_mm[i].y(), 0};
       sightings[i].pixel = pixels[i];
@@ -170,6 +309,15 @@ CameraFit camera_of_points(Points pixels, Points places_mm, double sigma_px, int
     camera = fit.camera;
   }
   return fit;
+}
+
+}  // namespace
+
+std::optional<CameraFit> camera_of_points(Points pixels, Points places_mm, double sigma_px, int width_px,
+                                          int height_px, const CameraPrior& prior) {
+  const auto starts = first_cameras(pixels, places_mm, width_px, height_px, prior);
+  if (starts.empty()) return std::nullopt;
+  return fit_points(starts.front(), pixels, places_mm, sigma_px, prior);
 }
 
 std::vector<CurvePoint> evidence_points(std::span<const PaintedCurve> curves) {
@@ -194,20 +342,17 @@ double line_evidence(const LensCamera& camera, std::span<const CurvePoint> point
   return expected > 0 ? found / std::max(kEnough, expected) : 0;
 }
 
-std::vector<PoseGuess> guess_poses(Points pixels, Points places_mm, bool any_order, double click_sigma_px,
+std::vector<PoseGuess> guess_poses(Points pixels, Points places_mm, bool names_known, double click_sigma_px,
                                    const LinePicture& picture, std::span<const PaintedCurve> curves,
                                    const CameraPrior& prior, const std::stop_token& stop) {
   std::vector<PoseGuess> out;
   if (pixels.size() < 3 || places_mm.size() < pixels.size()) return out;
   std::vector<Assignment> assignments;
-  if (!any_order) {
-    Assignment given(pixels.size());
-    std::iota(given.begin(), given.end(), std::size_t{0});
-    assignments.push_back(std::move(given));
-  } else if (places_mm.size() <= 6) {
-    add_permutations(pixels, places_mm, assignments);
-  } else {
-    add_by_pairs(pixels, places_mm, picture, assignments, stop);
+  if (names_known) {
+    assignments.emplace_back(pixels.size());
+    std::iota(assignments.front().begin(), assignments.front().end(), std::size_t{0});
+  } else if (places_mm.size() <= AssignmentSearch::kMaxPlaces) {
+    assignments = AssignmentSearch(pixels, places_mm, picture, curves, prior).run(stop);
   }
 
   const auto points = evidence_points(curves);
@@ -216,19 +361,20 @@ std::vector<PoseGuess> guess_poses(Points pixels, Points places_mm, bool any_ord
     if (stop.stop_requested()) return {};
     std::vector<Eigen::Vector2d> places;
     for (const std::size_t place : place_of) places.push_back(places_mm[place]);
-    // Four corners do not determine the distortion: try several values, and choose the one that fits the
-    // lines best.
+    // Few points do not determine the distortion: try several values, and choose the one that fits the lines
+    // best.
     PoseGuess best;
     best.evidence = -1;
     for (const double k1 : {0.0, 0.05, 0.1, 0.17, 0.25, 0.35, 0.5}) {
       CameraPrior held = prior;
       held.k1 = k1;
       held.k1_sigma = 0.02;
-      const CameraFit fit =
-          camera_of_points(pixels, places, click_sigma_px, picture.width(), picture.height(), held);
-      if (!is_plausible(fit.camera) || fit.rms > kMaxRmsSigmas) continue;
-      const double evidence = line_evidence(fit.camera, points, picture);
-      if (evidence > best.evidence) best = {fit.camera, place_of, fit.rms * click_sigma_px, evidence};
+      for (const LensCamera& start : first_cameras(pixels, places, picture.width(), picture.height(), held)) {
+        const CameraFit fit = fit_points(start, pixels, places, click_sigma_px, held);
+        if (!is_plausible(fit.camera) || fit.rms > kMaxRmsSigmas) continue;
+        const double evidence = line_evidence(fit.camera, points, picture);
+        if (evidence > best.evidence) best = {fit.camera, place_of, fit.rms * click_sigma_px, evidence};
+      }
     }
     if (best.evidence >= 0) out.push_back(std::move(best));
   }

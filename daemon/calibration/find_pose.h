@@ -6,6 +6,7 @@
 #include "calibration/painted_curves.h"
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <vector>
@@ -24,19 +25,20 @@ struct PoseGuess {
 };
 
 /// Cameras for which each pixel shows a different place, best evidence first. Needs at least three pixels.
-/// With `any_order`, also searches for the assignment of pixels to places; otherwise pixel i shows place i.
-/// The cameras are above the field, so mirrored assignments are rejected. `click_sigma_px`: accuracy of the
+/// `names_known`: pixel i shows place i; otherwise also searches for the assignment, of up to 40 places. The
+/// cameras are above the field, so mirrored assignments are rejected. `click_sigma_px`: accuracy of the
 /// pixels. Empty after a stop request.
 std::vector<PoseGuess> guess_poses(std::span<const Eigen::Vector2d> pixels,
-                                   std::span<const Eigen::Vector2d> places_mm, bool any_order,
+                                   std::span<const Eigen::Vector2d> places_mm, bool names_known,
                                    double click_sigma_px, const LinePicture& picture,
                                    std::span<const PaintedCurve> curves, const CameraPrior& prior,
                                    const std::stop_token& stop = {});
 
-/// Fits a camera to points and the prior. The fit starts from a camera that looks straight down.
-CameraFit camera_of_points(std::span<const Eigen::Vector2d> pixels,
-                           std::span<const Eigen::Vector2d> places_mm, double sigma_px, int width_px,
-                           int height_px, const CameraPrior& prior);
+/// Fits a camera to three or more points and the prior. None if no camera above the field shows three of
+/// them.
+std::optional<CameraFit> camera_of_points(std::span<const Eigen::Vector2d> pixels,
+                                          std::span<const Eigen::Vector2d> places_mm, double sigma_px,
+                                          int width_px, int height_px, const CameraPrior& prior);
 
 /// Share of the lines expected in view that lie on bright stripes, 0 .. 1; reduced if few points are in view.
 double line_evidence(const LensCamera& camera, std::span<const CurvePoint> points,

@@ -455,6 +455,7 @@ Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurv
 
   constexpr std::size_t kMaxCameras = 6;
   constexpr double kMinShare = 0.6, kSameShare = 0.02, kSigmaPx = 2;
+  constexpr double kMaxAxisZ = -0.66;  // tilted by 49 degrees
   for (const Guess& guess : guesses) {
     if (stop.stop_requested()) return out;
     if (out.cameras.size() >= kMaxCameras || guess.score < kMinShare * guesses.front().score) break;
@@ -471,17 +472,17 @@ Proposal propose_cameras(const LinePicture& picture, std::span<const PaintedCurv
     CameraPrior held = prior;
     held.k1 = k1;  // rough, like the focal length
     held.k1_sigma = 0.05 + 0.3 * k1;
-    const CameraFit fit = camera_of_points(pixels, places, kSigmaPx, width, height, held);
-    if (!is_plausible(fit.camera) || fit.camera.rotation(2, 2) > -0.8) continue;
+    const auto fit = camera_of_points(pixels, places, kSigmaPx, width, height, held);
+    if (!fit || !is_plausible(fit->camera) || fit->camera.rotation(2, 2) > kMaxAxisZ) continue;
     const bool is_known = std::any_of(out.cameras.begin(), out.cameras.end(), [&](const LensCamera& other) {
       for (const double side : {0.0, 0.4}) {
         const Eigen::Vector2d pixel((0.5 + side) * width, 0.5 * height);
-        const auto p = other.unproject(pixel, 0), q = fit.camera.unproject(pixel, 0);
+        const auto p = other.unproject(pixel, 0), q = fit->camera.unproject(pixel, 0);
         if (!p || !q || (*p - *q).norm() > kSameShare * length_mm) return false;
       }
       return true;
     });
-    if (!is_known) out.cameras.push_back(fit.camera);
+    if (!is_known) out.cameras.push_back(fit->camera);
   }
   if (out.cameras.empty()) out.problem = "The white lines in the image do not match a field of this size.";
   return out;

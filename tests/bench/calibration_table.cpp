@@ -17,6 +17,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 namespace sslv {
 namespace {
 
@@ -315,6 +317,112 @@ void wrong_clicks() {
       false_alarm.text().c_str());
 }
 
+/// A camera with one of five lenses, tilted by up to 45 degrees in any direction, over any part of a field.
+LensCamera drawn_camera(const FieldSize& field, int size, double tilt_deg, std::mt19937& random) {
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution(low, high)(random);
+  };
+  struct Lens {
+    double focal_share, k1;
+  };
+  constexpr std::array kLenses{Lens{0.55, 0.25}, Lens{0.7, 0.15}, Lens{0.85, 0.08}, Lens{1.05, 0.05},
+                               Lens{1.3, 0}};
+  const Lens& lens = kLenses[std::uniform_int_distribution<std::size_t>(0, kLenses.size() - 1)(random)];
+  LensCamera out = floor_camera({size});
+  out.focal_px = lens.focal_share * out.width;
+  out.k1 = lens.k1 * between(0.7, 1.3);
+  const double turn = std::numbers::pi / 2 * std::uniform_int_distribution(0, 3)(random) + between(-0.3, 0.3);
+  const double towards = between(0, 2 * std::numbers::pi);
+  Eigen::Matrix3d down;
+  down << std::cos(turn), std::sin(turn), 0, std::sin(turn), -std::cos(turn), 0, 0, 0, -1;
+  const Eigen::Vector3d axis(std::cos(towards), std::sin(towards), 0);
+  out.rotation = down * Eigen::AngleAxisd(tilt_deg * std::numbers::pi / 180, axis).toRotationMatrix();
+  const Eigen::Vector3d aim(between(-0.3, 0.3) * field.field_length, between(-0.2, 0.2) * field.field_width,
+                            0);
+  const double distance_mm = between(0.5, 1.1) * field.field_length * lens.focal_share;
+  out.position_mm = aim - distance_mm * out.rotation.row(2).transpose();
+  return out;
+}
+
+/// The side of the image where the field's +x lies.
+PlusX plus_x_of(const LensCamera& camera) {
+  const Eigen::Vector2d side = camera.rotation.col(0).head<2>();
+  if (std::abs(side.x()) > std::abs(side.y())) return side.x() > 0 ? PlusX::kRight : PlusX::kLeft;
+  return side.y() > 0 ? PlusX::kDown : PlusX::kUp;
+}
+
+/// Three to eleven correct clicks on any points in view that are not all in one place, named or not, 1.5 px
+/// off.
+void any_clicks() {
+  constexpr int kDraws = 1000, kBins = 5, kMaxTilt_deg = 45;
+  constexpr double kMinArea = 0.04;  // twice the area of the largest triangle, as a share of the image
+  std::array<Share, kBins> named, unnamed, none;
+  Figures named_mm, unnamed_mm, none_mm, seconds;
+  Share worse;
+  std::mt19937 random(7);
+  std::normal_distribution<double> click_px(0, 1.5);
+  for (int drawn = 0; drawn < kDraws;) {
+    const double tilt_deg = std::uniform_real_distribution<double>(0, kMaxTilt_deg)(random);
+    const int size = std::bernoulli_distribution(0.3)(random) ? 1 : 0;
+    Shot shot{{}, {}, {}};
+    shot.floor.field = floor_field(size);
+    shot.floor.seed = static_cast<unsigned>(drawn);
+    shot.camera = drawn_camera(shot.floor.field, size, tilt_deg, random);
+    std::vector<ClickedPoint> clicks;
+    for (const NamedPoint& point : named_points(painted_curves(shot.floor.field))) {
+      const auto pixel = shot.camera.project({point.place_mm.x(), point.place_mm.y(), 0});
+      if (pixel && shot.camera.is_in_picture(*pixel, 3)) clicks.push_back({*pixel, point.name, {}});
+    }
+    const auto count = std::uniform_int_distribution<std::size_t>(3, 11)(random);
+    if (clicks.size() < count) continue;
+    std::shuffle(clicks.begin(), clicks.end(), random);
+    clicks.resize(count);
+    double area = 0;
+    for (const ClickedPoint& a : clicks)
+      for (const ClickedPoint& b : clicks)
+        for (const ClickedPoint& c : clicks) {
+          const Eigen::Vector2d ab = b.pixel - a.pixel, ac = c.pixel - a.pixel;
+          area = std::max(area, ab.x() * ac.y() - ab.y() * ac.x());
+        }
+    if (area < kMinArea * shot.camera.width * shot.camera.height) continue;
+    ++drawn;
+    const FloorPicture picture = draw_floor(shot.floor, shot.camera);
+    shot.picture.add(picture.view);
+    CalibrationTask task;
+    task.field = shot.floor.field;
+    task.plus_x = plus_x_of(shot.camera);
+    const Run without = run(shot, task);
+    const bool is_named = std::bernoulli_distribution(0.5)(random);
+    for (ClickedPoint& click : clicks) {
+      click.pixel += Eigen::Vector2d(click_px(random), click_px(random));
+      if (!is_named) click.name.clear();
+    }
+    task.clicks = clicks;
+    const Run with = run(shot, task);
+    const auto good = [](const Run& one) { return one.report.accepted && is_right(one); };
+    const auto bin =
+        std::min<std::size_t>(kBins - 1, static_cast<std::size_t>(tilt_deg * kBins / kMaxTilt_deg));
+    (is_named ? named : unnamed)[bin].add(good(with));
+    none[bin].add(good(without));
+    if (good(with)) (is_named ? named_mm : unnamed_mm).add(with.floor_mm);
+    if (good(without)) none_mm.add(without.floor_mm);
+    worse.add(good(without) && !(good(with) && with.floor_mm < without.floor_mm + 0.5));
+    seconds.add(with.seconds);
+  }
+  std::printf(
+      "\n| 3 to 11 clicks, right and accepted | named | not named | no clicks |\n|---|---:|---:|---:|\n");
+  for (int i = 0; i < kBins; ++i) {
+    const auto bin = static_cast<std::size_t>(i);
+    std::printf("| tilted by %d to %d degrees | %s | %s | %s |\n", i * kMaxTilt_deg / kBins,
+                (i + 1) * kMaxTilt_deg / kBins, named[bin].text().c_str(), unnamed[bin].text().c_str(),
+                none[bin].text().c_str());
+  }
+  std::printf(
+      "| z = 0 | %s | %s | %s |\n\nWorse than without clicks by .5 mm or more: %s. Processor time: %s s.\n",
+      named_mm.text().c_str(), unnamed_mm.text().c_str(), none_mm.text().c_str(), worse.text().c_str(),
+      seconds.text(2).c_str());
+}
+
 /// Two cameras over the halves of a field whose lines are displaced, calibrated separately and jointly.
 void overlap() {
   std::printf(
@@ -384,5 +492,6 @@ int main(int argc, char** argv) {
   sslv::conditions(sizes);
   sslv::no_clicks(sizes);
   sslv::wrong_clicks();
+  sslv::any_clicks();
   sslv::overlap();
 }
