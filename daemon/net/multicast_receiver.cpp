@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <exception>
 #include <functional>
 #include <future>
@@ -25,6 +26,7 @@
 #include <boost/asio/ip/multicast.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <net/if.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 
@@ -47,14 +49,16 @@ std::string card_of(const GroupAddress& where) {
   return network_card_name(from.to_string());
 }
 
-/// Binds to `address`, which excludes packets of other groups and unicast. Receives from one card only:
-/// neither groups that other programs joined on other cards, nor packets sent to other cards.
+/// Binds to `address`, which excludes packets of other groups and unicast. Broadcasts are received from one
+/// card only, and a group from the cards on which it is joined, whatever other programs join.
 udp::socket open_at(asio::io_context& io, const address_v4& address, const GroupAddress& where,
                     const std::string& card) {
   udp::socket socket(io, udp::v4());
   socket.set_option(udp::socket::reuse_address(true));
   const int off = 0;
   setsockopt(socket.native_handle(), IPPROTO_IP, IP_MULTICAST_ALL, &off, sizeof off);
+  const int on = 1;
+  setsockopt(socket.native_handle(), IPPROTO_IP, IP_PKTINFO, &on, sizeof on);
   if (!address.is_multicast() && setsockopt(socket.native_handle(), SOL_SOCKET, SO_BINDTODEVICE, card.c_str(),
                                             static_cast<socklen_t>(card.size())) != 0)
     throw std::system_error(errno, std::generic_category(), card);
@@ -66,6 +70,51 @@ udp::socket open_at(asio::io_context& io, const address_v4& address, const Group
   }
   socket.non_blocking(true);
   return socket;
+}
+
+/// Joins the group on all cards that are up, so that computers on a card other than the chosen one are
+/// noticed.
+void join_on_all_cards(udp::socket& socket, const address_v4& group, const std::vector<NetworkCard>& cards) {
+  for (const NetworkCard& card : cards) {
+    if (!card.is_up || !card.has_multicast || card.addresses.empty()) continue;
+    boost::system::error_code ignored;  // it may have been joined before
+    socket.set_option(multicast::join_group(group, card.addresses.front()), ignored);
+  }
+}
+
+struct Datagram {
+  std::size_t size = 0;
+  udp::endpoint sender;
+  unsigned card = 0;  // the system's number of the card that it arrived on
+};
+
+/// Like udp::socket::receive_from(), with the card.
+Datagram receive_from(udp::socket& socket, std::span<std::byte> buffer, boost::system::error_code& error) {
+  sockaddr_in from{};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(in_pktinfo))> control;
+  iovec part{buffer.data(), buffer.size()};
+  msghdr message{};
+  message.msg_name = &from;
+  message.msg_namelen = sizeof from;
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+  const ssize_t size = ::recvmsg(socket.native_handle(), &message, 0);
+  if (size < 0) {
+    error.assign(errno, boost::system::system_category());
+    return {};
+  }
+  Datagram out{
+      static_cast<std::size_t>(size), {address_v4(ntohl(from.sin_addr.s_addr)), ntohs(from.sin_port)}, 0};
+  for (const cmsghdr* one = CMSG_FIRSTHDR(&message); one != nullptr;
+       one = CMSG_NXTHDR(&message, const_cast<cmsghdr*>(one))) {
+    if (one->cmsg_level != IPPROTO_IP || one->cmsg_type != IP_PKTINFO) continue;
+    in_pktinfo info{};
+    std::memcpy(&info, CMSG_DATA(one), sizeof info);
+    out.card = static_cast<unsigned>(info.ipi_ifindex);
+  }
+  return out;
 }
 
 /// Detects the second copy of a datagram that was sent to two addresses.
@@ -121,6 +170,7 @@ class MulticastReceiver::Listener {
         owner_.error_.clear();
         owner_.broadcast_error_.clear();
         owner_.heard_.clear();
+        owner_.heard_on_s_.clear();
       }
       if (where_) open();
       done.set_value();
@@ -133,7 +183,8 @@ class MulticastReceiver::Listener {
   struct Ear {
     udp::socket socket;
     address_v4 address;
-    std::string card;  // card that broadcasts arrive on
+    std::string card;    // card that broadcasts arrive on
+    unsigned only_card;  // number of the chosen card; 0: any
   };
 
   bool has_ear(const address_v4& address) const {
@@ -153,15 +204,21 @@ class MulticastReceiver::Listener {
 
   void open_ear(const address_v4& address, const std::string& card) {
     close_ears([&](const Ear& one) { return one.address == address; });
-    ears_.push_back(std::make_shared<Ear>(Ear{open_at(io_, address, *where_, card), address, card}));
+    const unsigned only_card =
+        address.is_multicast() && !where_->interface.empty() ? if_nametoindex(card.c_str()) : 0;
+    ears_.push_back(
+        std::make_shared<Ear>(Ear{open_at(io_, address, *where_, card), address, card, only_card}));
     receive(ears_.back());
   }
 
   /// Opens the missing sockets for the group and the current broadcast addresses.
   void open() {
+    const std::vector<NetworkCard> cards = network_cards();
     own_.clear();
-    for (const NetworkCard& one : network_cards()) {
+    card_names_.clear();
+    for (const NetworkCard& one : cards) {
       for (const address_v4& address : one.addresses) own_.insert(address.to_string());
+      card_names_[if_nametoindex(one.name.c_str())] = one.name;
     }
     const address_v4 group = asio::ip::make_address_v4(where_->group);
     std::string card, error, broadcast_error;
@@ -173,13 +230,17 @@ class MulticastReceiver::Listener {
       broadcast_error = caught.what();
     }
     close_ears([&](const Ear& ear) {
-      return !ear.address.is_multicast() &&
-             (ear.card != card ||
-              (ear.address != group && std::ranges::find(broadcasts, ear.address) == broadcasts.end()));
+      if (ear.address.is_multicast())  // a card that was removed and restored has another number
+        return ear.only_card != 0 && !card.empty() && ear.only_card != if_nametoindex(card.c_str());
+      return ear.card != card ||
+             (ear.address != group && std::ranges::find(broadcasts, ear.address) == broadcasts.end());
     });
     try {
       if (card.empty() && !group.is_multicast()) throw std::runtime_error(broadcast_error);
       if (!has_ear(group)) open_ear(group, card);
+      for (const auto& ear : ears_) {
+        if (ear->address.is_multicast()) join_on_all_cards(ear->socket, group, cards);
+      }
     } catch (const std::exception& caught) {
       error = "cannot listen to " + where_->group + ":" + std::to_string(where_->port) + ": " +
               caught.what() + "; " + network_cards_text();
@@ -220,23 +281,37 @@ class MulticastReceiver::Listener {
     constexpr int kMost = 64;
     for (int i = 0; i < kMost; ++i) {
       boost::system::error_code error;
-      udp::endpoint sender;
-      const std::size_t size = ear.socket.receive_from(asio::buffer(datagram_), sender, 0, error);
+      const Datagram datagram = receive_from(ear.socket, datagram_, error);
       if (error == asio::error::would_block) return true;
       if (error) {
         ear.socket.close(error);
         return false;
       }
-      hear(std::span<const std::byte>(datagram_.data(), size), sender, ear.address);
+      hear(datagram, ear);
     }
     return true;
   }
 
-  void hear(std::span<const std::byte> datagram, const udp::endpoint& sender, const address_v4& to) {
+  void hear(const Datagram& datagram, const Ear& ear) {
     const double now_s = steady_s();
-    if (to.is_multicast()) silent_looks_ = 0;
-    note(sender.address().to_string(), !to.is_multicast(), now_s);
-    if (!copies_.is_copy(datagram, sender, to, now_s)) owner_.handler_(datagram, sender);
+    const std::string sender = datagram.sender.address().to_string();
+    const bool is_multicast = ear.address.is_multicast();
+    if (is_multicast) note_card(sender, datagram.card, now_s);
+    if (ear.only_card != 0 && datagram.card != ear.only_card) return;
+    if (is_multicast) silent_looks_ = 0;
+    note(sender, !is_multicast, now_s);
+    const std::span<const std::byte> bytes(datagram_.data(), datagram.size);
+    if (!copies_.is_copy(bytes, datagram.sender, ear.address, now_s)) owner_.handler_(bytes, datagram.sender);
+  }
+
+  void note_card(const std::string& address, unsigned card, double now_s) {
+    const auto name = card_names_.find(card);
+    if (name == card_names_.end()) return;
+    const std::lock_guard lock(owner_.mutex_);
+    auto& heard = owner_.heard_on_s_;
+    std::erase_if(heard, [&](const auto& one) { return now_s - one.second > kForgottenAfter_s; });
+    const std::pair key(address, name->second);
+    if (heard.contains(key) || heard.size() < limits::kMaxComputers) heard[key] = now_s;
   }
 
   void note(const std::string& address, bool is_broadcast, double now_s) {
@@ -276,7 +351,8 @@ class MulticastReceiver::Listener {
   std::vector<std::shared_ptr<Ear>> ears_;
   std::array<std::byte, 65'536> datagram_;
   Copies copies_;
-  std::set<std::string> own_;  // addresses of this computer
+  std::set<std::string> own_;                   // addresses of this computer
+  std::map<unsigned, std::string> card_names_;  // by the system's numbers
   asio::steady_timer timer_{io_};
   int silent_looks_ = 0;
   std::jthread thread_;  // last: ends before the members it uses are destroyed
@@ -308,6 +384,15 @@ std::string MulticastReceiver::broadcast_error() const {
 void MulticastReceiver::set_named(std::set<std::string> addresses) {
   const std::lock_guard lock(mutex_);
   named_ = std::move(addresses);
+}
+
+std::vector<HeardOn> MulticastReceiver::heard_on_cards(double now_s) const {
+  std::vector<HeardOn> out;
+  const std::lock_guard lock(mutex_);
+  for (const auto& [key, heard_s] : heard_on_s_) {
+    if (now_s - heard_s <= kForgottenAfter_s) out.push_back({key.first, key.second});
+  }
+  return out;
 }
 
 std::vector<Arrival> MulticastReceiver::arrivals(double now_s) const {

@@ -22,7 +22,8 @@ namespace sslv {
 struct GroupAddress {
   std::string group;  // IPv4 multicast address, or a broadcast address
   int port = 0;
-  std::string interface;  // name or IPv4 address of the network card; empty: selected by the system's routes
+  std::string
+      interface;  // name or IPv4 address of the network card; empty: broadcasts by the system's routes
 
   bool operator==(const GroupAddress&) const = default;
 };
@@ -33,10 +34,16 @@ struct Arrival {
   bool by_multicast = false, by_broadcast = false;
 };
 
+/// A computer whose packets to the group arrive on a network card.
+struct HeardOn {
+  std::string address, card;
+};
+
 /// Receives the datagrams of a multicast group and the broadcasts to its port, in its own thread, which has
-/// lower priority than the cameras' threads. A datagram that arrives both ways is passed on once. A group
-/// that could not be joined is retried every `look_interval`. A group is rejoined after ten silent intervals,
-/// because the card may have been removed and restored.
+/// lower priority than the cameras' threads. A datagram that arrives both ways is passed on once. Without a
+/// chosen card, the group is received on all cards; otherwise, datagrams on other cards are only noted. A
+/// group that could not be joined is retried every `look_interval`. A group is rejoined after ten silent
+/// intervals, because the card may have been removed and restored.
 class MulticastReceiver {
  public:
   /// Called from the receiver's thread with every datagram and its sender.
@@ -64,6 +71,8 @@ class MulticastReceiver {
   void set_named(std::set<std::string> addresses);
   /// The senders of the last kForgottenAfter_s. `now_s`: monotonic.
   std::vector<Arrival> arrivals(double now_s) const;
+  /// Who was heard lately on which card, including cards other than the chosen one.
+  std::vector<HeardOn> heard_on_cards(double now_s) const;
   static constexpr double kForgottenAfter_s = 5;
 
  private:
@@ -75,10 +84,11 @@ class MulticastReceiver {
   const std::string thread_name_;
   const Handler handler_;
   const std::chrono::milliseconds look_interval_;
-  mutable std::mutex mutex_;  // guards the following four members
+  mutable std::mutex mutex_;  // guards the following five members
   std::string error_, broadcast_error_;
   std::set<std::string> named_;
-  std::map<std::string, Heard> heard_;  // by address
+  std::map<std::string, Heard> heard_;                                // by address
+  std::map<std::pair<std::string, std::string>, double> heard_on_s_;  // time by address and card
   std::unique_ptr<Listener> listener_;  // last: its thread ends before the members it uses are destroyed
 };
 

@@ -2,7 +2,8 @@
 // Run by faults_run.test.mjs in a network namespace: the network card is removed and restored, and packets stay on the
 // computer although there is a card. Exit code 77: the kernel has no virtual cards.
 import assert from 'node:assert/strict';
-import { execFileSync } from 'node:child_process';
+import { execFileSync, spawn } from 'node:child_process';
+import { readlinkSync } from 'node:fs';
 import { FaultyService, report, tries } from './faults.mjs';
 import { becomes } from './service.mjs';
 
@@ -45,6 +46,41 @@ try {
   ip('link', 'set', 'switch0', 'up');
   await service.alertGoes('card_no_link');
   await service.set('/network/vision/interface', 'field0');
+
+  // Two cards: the system's routes choose the first, and a computer of the field is on the second.
+  const field = spawn('unshare', ['--net', 'sleep', 'infinity'], { stdio: 'ignore' });
+  const onField = (...words) => execFileSync('nsenter', ['--net', '--target', String(field.pid), ...words], { stdio: 'pipe' });
+  try {
+    ip('link', 'add', 'other0', 'type', 'veth', 'peer', 'name', 'team0');
+    ip('address', 'add', '10.78.0.1/24', 'dev', 'other0');
+    ip('link', 'set', 'other0', 'up');
+    await becomes(() => readlinkSync(`/proc/${field.pid}/ns/net`), (net) => net !== readlinkSync('/proc/self/ns/net'));
+    ip('link', 'set', 'team0', 'netns', String(field.pid));
+    onField('ip', 'address', 'add', '10.78.0.2/24', 'dev', 'team0');
+    onField('ip', 'link', 'set', 'team0', 'up');
+    onField('ip', 'route', 'add', '224.0.0.0/4', 'dev', 'team0');
+    await service.set('/network/vision/interface', '');
+    assert.match((await service.alertComes('card_not_chosen')).title, /field0 \(10\.77\.0\.1\)/);
+    const { group, port } = service.settings.network.vision;
+    const say = `const s = require('dgram').createSocket('udp4'); setInterval(() => s.send('x', ${port}, '${group}'), 100)`;
+    const team = spawn('nsenter', ['--net', '--target', String(field.pid), process.execPath, '-e', say], { stdio: 'ignore' });
+    try {
+      assert.match((await service.alertComes('card_wrong')).title, /field0 .*10\.78\.0\.2 is on other0/);
+      await service.alertGoes('card_not_chosen');
+      await service.set('/network/vision/interface', 'field0');
+      await service.alertComes('card_wrong');
+      await service.set('/network/vision/interface', 'other0');
+      await service.alertGoes('card_wrong');
+      const { checks: after } = await service.status();
+      assert.match(after.find(({ id }) => id === 'network').text, / on other0 \(10\.78\.0\.1\)$/);
+    } finally {
+      team.kill();
+    }
+    ip('link', 'delete', 'other0');
+    await service.set('/network/vision/interface', 'field0');
+  } finally {
+    field.kill();
+  }
 
   const rounds = tries(4, 50);
   const times = [];

@@ -122,6 +122,26 @@ void add_network_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
                             facts.cards.unused),
          .page = "#/settings/network/vision"});
   }
+  if (const CardsUsed& cards = facts.cards; !cards.heard_on.empty()) {
+    alerts.push_back(
+        {.id = "card_wrong",
+         .check = "network",
+         .severity = Severity::kWarn,
+         .title = fmt::format("Packets leave on network card {}, but the field's computer {} is on {}",
+                              cards.sender, cards.heard, cards.heard_on),
+         .fix = fmt::format("Set network/vision/interface to {}.", cards.heard_on),
+         .page = "#/settings/network/vision"});
+  } else if (!cards.others.empty()) {
+    alerts.push_back(
+        {.id = "card_not_chosen",
+         .check = "network",
+         .severity = Severity::kWarn,
+         .title = fmt::format("No network card is chosen: packets leave on {}", cards.sender),
+         .fix = fmt::format("Set network/vision/interface to the card of the teams' network: this one, "
+                            "or {}.",
+                            cards.others),
+         .page = "#/settings/network/vision"});
+  }
   const auto add = [&](const char* check, const std::string& error, const char* group) {
     if (error.empty()) return;
     alerts.push_back({.id = "group_not_heard",
@@ -138,9 +158,13 @@ void add_network_alerts(std::vector<Alert>& alerts, const NetworkFacts& facts) {
 
 Check check_network(const NetworkFacts& facts) {
   const MulticastSettings& vision = facts.config->network.vision;
-  return {"network",         "Network",
-          CheckState::kPass, fmt::format("{:.0f}", facts.multicast.packets_per_s),
-          "packets/s",       fmt::format("to {}:{}", vision.group, vision.port)};
+  return {"network",
+          "Network",
+          CheckState::kPass,
+          fmt::format("{:.0f}", facts.multicast.packets_per_s),
+          "packets/s",
+          fmt::format("to {}:{}{}", vision.group, vision.port,
+                      facts.cards.sender.empty() ? "" : " on " + facts.cards.sender)};
 }
 
 Check check_other_visions(const NetworkFacts& facts) {

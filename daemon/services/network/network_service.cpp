@@ -60,23 +60,49 @@ bool is_of_named_host(const std::vector<OtherVision>& visions, const std::vector
   });
 }
 
-CardsUsed cards_used(const MulticastSettings& vision, const std::vector<NetworkCard>& cards) {
+std::string with_address(const NetworkCard& card) {
+  return fmt::format("{} ({})", card.name, card.addresses.front().to_string());
+}
+
+/// `heard`: other computers of the field, by card.
+CardsUsed cards_used(const MulticastSettings& vision, const std::vector<NetworkCard>& cards,
+                     std::vector<HeardOn> heard) {
   const std::string by_route =
       vision.interface.empty() ? address_towards(boost::asio::ip::make_address_v4(vision.group)).to_string()
                                : "";
   const std::string& interface = vision.interface.empty() ? by_route : vision.interface;
-  const auto is_named = [&](const NetworkCard& card) {
-    return card.name == interface || std::ranges::any_of(card.addresses, [&](const auto& address) {
-             return address.to_string() == interface;
-           });
+  const auto has_address = [](const NetworkCard& card, const std::string& wanted) {
+    return std::ranges::any_of(card.addresses,
+                               [&](const auto& address) { return address.to_string() == wanted; });
   };
-  const auto used = std::ranges::find_if(cards, is_named);
-  if (used == cards.end()) return {};
-  if (!used->is_loopback) return {.unused = {}, .without_link = used->has_link ? "" : used->name};
-  const auto other = std::ranges::find_if(cards, [](const NetworkCard& card) {
-    return card.has_link && card.has_multicast && !card.is_loopback && !card.addresses.empty();
+  const auto used = std::ranges::find_if(cards, [&](const NetworkCard& card) {
+    return !card.addresses.empty() && (card.name == interface || has_address(card, interface));
   });
-  return {.unused = other == cards.end() ? "" : other->name, .without_link = {}};
+  if (used == cards.end()) return {};
+  CardsUsed out{.sender = with_address(*used)};
+  std::vector<std::string> others;
+  for (const NetworkCard& card : cards) {
+    const bool is_usable =
+        card.has_link && card.has_multicast && !card.is_loopback && !card.addresses.empty();
+    if (is_usable && card.name != used->name) others.push_back(with_address(card));
+  }
+  if (used->is_loopback) {
+    if (!others.empty()) out.unused = others.front();
+    return out;
+  }
+  if (!used->has_link) out.without_link = used->name;
+  if (vision.interface.empty()) out.others = fmt::format("{}", fmt::join(others, ", "));
+  std::erase_if(heard, [&](const HeardOn& one) {
+    return std::ranges::any_of(cards,
+                               [&](const NetworkCard& card) { return has_address(card, one.address); });
+  });
+  const bool is_any_here =
+      std::ranges::any_of(heard, [&](const HeardOn& one) { return one.card == used->name; });
+  if (!heard.empty() && !is_any_here) {
+    out.heard_on = heard.front().card;
+    out.heard = heard.front().address;
+  }
+  return out;
 }
 
 Json interfaces_json() {
@@ -191,7 +217,13 @@ void NetworkService::each_second() {
   packet_timeline_.add(unix_time_s(), multicast_.status().packets_sent);
   const std::vector<NetworkCard> cards = network_cards();
   another_host_sends_ = is_of_named_host(other_visions_.seen(steady_s()), cards);
-  cards_used_.store(cards_used(config_.load()->network.vision, cards));
+  const auto config = config_.load();
+  std::vector<HeardOn> heard = other_visions_.heard_on_cards(steady_s());
+  if (config->network.referee.interface.empty()) {  // otherwise the referees have a network of their own
+    const auto referees = referee_.heard_on_cards(steady_s());
+    heard.insert(heard.begin(), referees.begin(), referees.end());
+  }
+  cards_used_.store(cards_used(config->network.vision, cards, std::move(heard)));
 }
 
 std::string NetworkService::summary() const {

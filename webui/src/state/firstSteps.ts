@@ -34,7 +34,7 @@ function network(status: Status, alerts: Alert[]): Step {
   const card = status.network.interface;
   const base = { id: 'network' as const, title: 'The teams’ network', action: { text: 'Choose the card', href: link('field', 'network') }, lasts: true };
   if (isThisComputer(card)) return { ...base, state: 'todo', text: 'Packets stay on this computer: no team receives them' };
-  const alert = alerts.find(({ id }) => ['not_sending', 'only_this_computer', 'card_no_link'].includes(id));
+  const alert = alerts.find(({ id }) => ['not_sending', 'only_this_computer', 'card_no_link', 'card_wrong', 'card_not_chosen'].includes(id));
   if (alert) return { ...base, state: 'trouble', text: alert.title };
   return { ...base, state: 'done', text: `Packets go out on ${card || 'the card that the system chooses'}` };
 }

@@ -234,7 +234,7 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   input_.cameras[1].calibration.reset();
   input_.teams.yellow.ids = {9};
   camera.grey_format = "mono8";
-  input_.cards = {"eth0", "eth1"};
+  input_.cards = {.sender = "eth1 (10.0.0.2)", .others = "eth0", .unused = "eth0", .without_link = "eth1"};
   input_.seen.field.lost = {{Team::kYellow, 7, 3, {0, 0}}};
   input_.seen.field.doubles = {{Team::kYellow, 8, {0, 1}, {Eigen::Vector2d(0, 0), Eigen::Vector2d(900, 0)}}};
   input_.seen.field.overlaps[0].apart_mm = 40;
@@ -263,6 +263,8 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   input_.reload_problem = "/etc/x.json: line 1";
   input_.lost_tables = {"no such table"};
   std::vector<Alert> all = alerts();
+  input_.cards.heard_on = "eth0";
+  for (Alert& alert : alerts()) all.push_back(std::move(alert));
   input_.network.error = "no card";
   input_.match_runs = true;
   input_.seen.field.team_gone_s = {};
@@ -319,6 +321,27 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
     if (page.empty()) continue;  // the first page
     EXPECT_THAT(pages, HasSubstr("{ name: '" + page + "'")) << alert.id;
   }
+}
+
+TEST_F(Alerts, NameTheCardOnWhichPacketsLeave) {
+  input_.cards = {.sender = "cam0 (192.168.10.1)", .others = "fld0 (10.5.0.1)"};
+  EXPECT_EQ(check("network").state, CheckState::kWarn);
+  std::vector<Alert> all = alerts();
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_EQ(all[0].title, "No network card is chosen: packets leave on cam0 (192.168.10.1)");
+  EXPECT_THAT(all[0].fix, HasSubstr("fld0 (10.5.0.1)"));
+
+  input_.cards.heard_on = "fld0";
+  input_.cards.heard = "10.5.0.9";
+  all = alerts();
+  ASSERT_EQ(all.size(), 1U) << "one alert for one cause";
+  EXPECT_EQ(
+      all[0].title,
+      "Packets leave on network card cam0 (192.168.10.1), but the field's computer 10.5.0.9 is on fld0");
+
+  input_.cards = {.sender = "fld0 (10.5.0.1)"};
+  EXPECT_THAT(alerts(), IsEmpty());
+  EXPECT_THAT(check("network").text, HasSubstr(" on fld0 (10.5.0.1)"));
 }
 
 TEST_F(Alerts, CountControlsThatAreNotSavedAndDoNotStopAMatch) {
