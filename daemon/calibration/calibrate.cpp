@@ -74,7 +74,11 @@ class Calibrator {
     };
     if (!all_fits(best) && clicks_.names_known) keep(solve(clicks_, prior_, false));
     if (all_fits(best)) return best;
-    if (auto found = propose(); all_fits(found) && turn_to_names(*found)) return found;
+    if (auto found = propose(); all_fits(found) && (!clicks_.names_known || turn_to_names(*found))) {
+      found->only_one = found->only_one || clicks_.names_known;
+      if (found->only_one) return found;
+      keep(std::move(found));
+    }
     keep(solve_without_one());
     return best;
   }
@@ -135,8 +139,10 @@ class Calibrator {
     }
     const bool names_decide = clicks.names_known && task_.plus_x == PlusX::kUnknown;
     RefinedCamera& refined = best->solution.refined;
-    if (!names_decide && same_turned(curves_) && !is_right_way_round(refined.camera, task_))
-      turn_round(refined);
+    if (!names_decide && same_turned(curves_)) {
+      best->solution.either_way_round = task_.plus_x == PlusX::kUnknown && !task_.previous;
+      if (!is_right_way_round(refined.camera, task_)) turn_round(refined);
+    }
     return std::move(best->solution);
   }
 
@@ -173,12 +179,15 @@ class Calibrator {
     return best;
   }
 
-  /// Turns the field round if the clicks' names demand it. Returns whether the camera shows them.
+  /// Turns the field round if the clicks' names demand it. Returns whether the camera then fits and shows
+  /// them.
   bool turn_to_names(Solution& found) const {
-    if (!clicks_.names_known || shows_names(found.refined.camera)) return true;
-    turn_round(found.refined);
+    if (!shows_names(found.refined.camera)) {
+      if (task_.plus_x != PlusX::kUnknown || !same_turned(curves_)) return false;
+      turn_round(found.refined);
+    }
     found.either_way_round = false;
-    return shows_names(found.refined.camera);
+    return all_fits(found) && shows_names(found.refined.camera);
   }
 
   bool shows_names(const LensCamera& camera) const {

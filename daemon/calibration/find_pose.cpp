@@ -91,7 +91,7 @@ class CamerasOfTriangle {
              4 * (a + c) * cos_a * cos_b * cos_c + 2 * (1 - a) * cos_c * cos_c),
         4 * (d * (1 - d) * cos_b - (1 - a - c) * cos_a * cos_c + 2 * c * cos_a * cos_a * cos_b),
         (d - 1) * (d - 1) - 4 * c * cos_a * cos_a};
-    if (std::abs(by_power[4]) < 1e-12) return;
+    if (!(std::abs(by_power[4]) > 1e-12)) return;  // also of equal places
     Eigen::Matrix4d companion = Eigen::Matrix4d::Zero();
     for (int i = 0; i < 4; ++i) companion(i, 3) = -by_power[static_cast<std::size_t>(i)] / by_power[4];
     for (int i = 0; i < 3; ++i) companion(i + 1, i) = 1;
@@ -144,7 +144,10 @@ std::vector<LensCamera> lenses_of(const CameraPrior& prior, int width_px, int he
   lens.k2 = prior.k2;
   std::vector<LensCamera> out;
   for (const double sigmas : {0.0, -0.8, 0.8}) {
-    lens.focal_px = prior.focal_px * std::exp(sigmas * prior.focal_share);
+    const double ratio = std::exp(sigmas * prior.focal_share);
+    lens.focal_px = ratio * prior.focal_px;
+    lens.k1 = ratio * ratio * prior.k1;  // the same distortion in pixels
+    lens.k2 = std::pow(ratio, 4) * prior.k2;
     out.push_back(lens);
   }
   return out;
@@ -154,7 +157,7 @@ std::vector<LensCamera> lenses_of(const CameraPrior& prior, int width_px, int he
 /// place.
 class AssignmentSearch {
  public:
-  static constexpr std::size_t kMaxPlaces = 40;  // the time grows with the third power
+  static constexpr std::size_t kMaxPlaces = 30;  // the time grows with the fourth power
 
   AssignmentSearch(Points pixels, Points places, const LinePicture& picture,
                    std::span<const PaintedCurve> curves, const CameraPrior& prior)
@@ -171,13 +174,13 @@ class AssignmentSearch {
       CameraPrior held = prior_;
       held.k1 = k1;
       for (const LensCamera& lens : lenses_of(held, picture_.width(), picture_.height())) {
-        if (stop.stop_requested()) return {};
-        try_lens(lens);
+        try_lens(lens, stop);
       }
     }
     std::vector<std::pair<double, Assignment>> best;
     best.reserve(found_.size());
     for (auto& [assignment, found] : found_) {
+      if (stop.stop_requested()) return {};
       if (!is_minimal()) found.promise = evidence(found.camera) * (1 - found.off_px / max_off_px());
       best.emplace_back(found.promise, assignment);
     }
@@ -196,11 +199,11 @@ class AssignmentSearch {
     double promise = 0;
   };
 
-  void try_lens(const LensCamera& lens) {
+  void try_lens(const LensCamera& lens, const std::stop_token& stop) {
     const std::array pixels{pixels_[triangle_[0]], pixels_[triangle_[1]], pixels_[triangle_[2]]};
     const double seen_turn = turn_of(pixels[0], pixels[1], pixels[2]);
     CamerasOfTriangle cameras(lens, pixels);
-    for (std::size_t a = 0; a < places_.size(); ++a) {
+    for (std::size_t a = 0; a < places_.size() && !stop.stop_requested(); ++a) {
       for (std::size_t b = 0; b < places_.size(); ++b) {
         for (std::size_t c = 0; c < places_.size(); ++c) {
           const std::array places{places_[a], places_[b], places_[c]};

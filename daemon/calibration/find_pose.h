@@ -25,7 +25,7 @@ struct PoseGuess {
 };
 
 /// Cameras for which each pixel shows a different place, best evidence first. Needs at least three pixels.
-/// `names_known`: pixel i shows place i; otherwise also searches for the assignment, of up to 40 places. The
+/// `names_known`: pixel i shows place i; otherwise also searches for the assignment, of up to 30 places. The
 /// cameras are above the field, so mirrored assignments are rejected. `click_sigma_px`: accuracy of the
 /// pixels. Empty after a stop request.
 std::vector<PoseGuess> guess_poses(std::span<const Eigen::Vector2d> pixels,

@@ -49,16 +49,14 @@ std::string card_of(const GroupAddress& where) {
   return network_card_name(from.to_string());
 }
 
-/// Binds to `address`, which excludes packets of other groups and unicast. Broadcasts are received from one
-/// card only, and a group from the cards on which it is joined, whatever other programs join.
+/// Binds to `address`, which excludes packets of other groups and unicast. Receives from one card only:
+/// neither groups that other programs joined on other cards, nor packets sent to other cards.
 udp::socket open_at(asio::io_context& io, const address_v4& address, const GroupAddress& where,
                     const std::string& card) {
   udp::socket socket(io, udp::v4());
   socket.set_option(udp::socket::reuse_address(true));
   const int off = 0;
   setsockopt(socket.native_handle(), IPPROTO_IP, IP_MULTICAST_ALL, &off, sizeof off);
-  const int on = 1;
-  setsockopt(socket.native_handle(), IPPROTO_IP, IP_PKTINFO, &on, sizeof on);
   if (!address.is_multicast() && setsockopt(socket.native_handle(), SOL_SOCKET, SO_BINDTODEVICE, card.c_str(),
                                             static_cast<socklen_t>(card.size())) != 0)
     throw std::system_error(errno, std::generic_category(), card);
@@ -72,49 +70,53 @@ udp::socket open_at(asio::io_context& io, const address_v4& address, const Group
   return socket;
 }
 
-/// Joins the group on all cards that are up, so that computers on a card other than the chosen one are
-/// noticed.
-void join_on_all_cards(udp::socket& socket, const address_v4& group, const std::vector<NetworkCard>& cards) {
-  for (const NetworkCard& card : cards) {
-    if (!card.is_up || !card.has_multicast || card.addresses.empty()) continue;
-    boost::system::error_code ignored;  // it may have been joined before
-    socket.set_option(multicast::join_group(group, card.addresses.front()), ignored);
-  }
+/// The other cards on which a computer of the field may be.
+std::vector<NetworkCard> other_cards(std::vector<NetworkCard> cards, const std::string& card) {
+  const bool is_loopback =
+      std::ranges::any_of(cards, [&](const NetworkCard& one) { return one.name == card && one.is_loopback; });
+  if (is_loopback) return {};  // a trial
+  std::erase_if(cards, [&](const NetworkCard& one) {
+    return one.name == card || !one.is_up || !one.has_multicast || one.is_loopback || one.addresses.empty();
+  });
+  return cards;
 }
 
-struct Datagram {
-  std::size_t size = 0;
-  udp::endpoint sender;
-  unsigned card = 0;  // the system's number of the card that it arrived on
-};
+/// Receives the group on other cards. Has a small buffer, as only the senders matter.
+udp::socket open_elsewhere(asio::io_context& io, const address_v4& group, int port,
+                           const std::vector<NetworkCard>& cards) {
+  udp::socket socket(io, udp::v4());
+  socket.set_option(udp::socket::reuse_address(true));
+  const int off = 0, on = 1, bytes = 1 << 14;
+  setsockopt(socket.native_handle(), IPPROTO_IP, IP_MULTICAST_ALL, &off, sizeof off);
+  setsockopt(socket.native_handle(), IPPROTO_IP, IP_PKTINFO, &on, sizeof on);
+  setsockopt(socket.native_handle(), SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
+  socket.bind({group, static_cast<std::uint16_t>(port)});
+  for (const NetworkCard& card : cards) {
+    boost::system::error_code ignored;  // the card may be gone
+    socket.set_option(multicast::join_group(group, card.addresses.front()), ignored);
+  }
+  socket.non_blocking(true);
+  return socket;
+}
 
-/// Like udp::socket::receive_from(), with the card.
-Datagram receive_from(udp::socket& socket, std::span<std::byte> buffer, boost::system::error_code& error) {
+/// Reads a datagram's sender and its card's number in the system; drops the rest. None if nothing waits, or
+/// after an error.
+std::optional<std::pair<address_v4, unsigned>> read_sender(udp::socket& socket) {
   sockaddr_in from{};
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(in_pktinfo))> control;
-  iovec part{buffer.data(), buffer.size()};
   msghdr message{};
   message.msg_name = &from;
   message.msg_namelen = sizeof from;
-  message.msg_iov = &part;
-  message.msg_iovlen = 1;
   message.msg_control = control.data();
   message.msg_controllen = control.size();
-  const ssize_t size = ::recvmsg(socket.native_handle(), &message, 0);
-  if (size < 0) {
-    error.assign(errno, boost::system::system_category());
-    return {};
-  }
-  Datagram out{
-      static_cast<std::size_t>(size), {address_v4(ntohl(from.sin_addr.s_addr)), ntohs(from.sin_port)}, 0};
-  for (const cmsghdr* one = CMSG_FIRSTHDR(&message); one != nullptr;
-       one = CMSG_NXTHDR(&message, const_cast<cmsghdr*>(one))) {
+  if (::recvmsg(socket.native_handle(), &message, 0) < 0) return std::nullopt;
+  for (cmsghdr* one = CMSG_FIRSTHDR(&message); one != nullptr; one = CMSG_NXTHDR(&message, one)) {
     if (one->cmsg_level != IPPROTO_IP || one->cmsg_type != IP_PKTINFO) continue;
     in_pktinfo info{};
     std::memcpy(&info, CMSG_DATA(one), sizeof info);
-    out.card = static_cast<unsigned>(info.ipi_ifindex);
+    return std::pair(address_v4(ntohl(from.sin_addr.s_addr)), static_cast<unsigned>(info.ipi_ifindex));
   }
-  return out;
+  return std::pair(address_v4(), 0U);
 }
 
 /// Detects the second copy of a datagram that was sent to two addresses.
@@ -164,13 +166,14 @@ class MulticastReceiver::Listener {
     std::promise<void> done;
     asio::post(io_, [&] {
       close_ears([](const Ear&) { return true; });
+      elsewhere_.reset();
       where_ = where;
       {
         const std::lock_guard lock(owner_.mutex_);
         owner_.error_.clear();
         owner_.broadcast_error_.clear();
         owner_.heard_.clear();
-        owner_.heard_on_s_.clear();
+        owner_.elsewhere_.clear();
       }
       if (where_) open();
       done.set_value();
@@ -183,8 +186,7 @@ class MulticastReceiver::Listener {
   struct Ear {
     udp::socket socket;
     address_v4 address;
-    std::string card;    // card that broadcasts arrive on
-    unsigned only_card;  // number of the chosen card; 0: any
+    std::string card;  // card that broadcasts arrive on
   };
 
   bool has_ear(const address_v4& address) const {
@@ -204,10 +206,7 @@ class MulticastReceiver::Listener {
 
   void open_ear(const address_v4& address, const std::string& card) {
     close_ears([&](const Ear& one) { return one.address == address; });
-    const unsigned only_card =
-        address.is_multicast() && !where_->interface.empty() ? if_nametoindex(card.c_str()) : 0;
-    ears_.push_back(
-        std::make_shared<Ear>(Ear{open_at(io_, address, *where_, card), address, card, only_card}));
+    ears_.push_back(std::make_shared<Ear>(Ear{open_at(io_, address, *where_, card), address, card}));
     receive(ears_.back());
   }
 
@@ -215,10 +214,8 @@ class MulticastReceiver::Listener {
   void open() {
     const std::vector<NetworkCard> cards = network_cards();
     own_.clear();
-    card_names_.clear();
     for (const NetworkCard& one : cards) {
       for (const address_v4& address : one.addresses) own_.insert(address.to_string());
-      card_names_[if_nametoindex(one.name.c_str())] = one.name;
     }
     const address_v4 group = asio::ip::make_address_v4(where_->group);
     std::string card, error, broadcast_error;
@@ -230,17 +227,13 @@ class MulticastReceiver::Listener {
       broadcast_error = caught.what();
     }
     close_ears([&](const Ear& ear) {
-      if (ear.address.is_multicast())  // a card that was removed and restored has another number
-        return ear.only_card != 0 && !card.empty() && ear.only_card != if_nametoindex(card.c_str());
-      return ear.card != card ||
-             (ear.address != group && std::ranges::find(broadcasts, ear.address) == broadcasts.end());
+      return !ear.address.is_multicast() &&
+             (ear.card != card ||
+              (ear.address != group && std::ranges::find(broadcasts, ear.address) == broadcasts.end()));
     });
     try {
       if (card.empty() && !group.is_multicast()) throw std::runtime_error(broadcast_error);
       if (!has_ear(group)) open_ear(group, card);
-      for (const auto& ear : ears_) {
-        if (ear->address.is_multicast()) join_on_all_cards(ear->socket, group, cards);
-      }
     } catch (const std::exception& caught) {
       error = "cannot listen to " + where_->group + ":" + std::to_string(where_->port) + ": " +
               caught.what() + "; " + network_cards_text();
@@ -252,6 +245,7 @@ class MulticastReceiver::Listener {
         broadcast_error = address.to_string() + ":" + std::to_string(where_->port) + ": " + caught.what();
       }
     }
+    if (group.is_multicast() && !card.empty()) watch(group, other_cards(cards, card));
     const std::lock_guard lock(owner_.mutex_);
     if (error != owner_.error_) {
       if (error.empty()) {
@@ -268,6 +262,41 @@ class MulticastReceiver::Listener {
     }
   }
 
+  /// Watches these cards for computers of the field. The socket is reopened if they have changed.
+  void watch(const address_v4& group, const std::vector<NetworkCard>& cards) {
+    std::map<unsigned, std::string> names;
+    for (const NetworkCard& one : cards)
+      names[if_nametoindex(one.name.c_str())] = one.name + " " + one.addresses.front().to_string();
+    if (elsewhere_ && names == watched_) return;
+    watched_ = std::move(names);
+    elsewhere_.reset();
+    if (watched_.empty()) return;
+    try {
+      elsewhere_ = std::make_shared<udp::socket>(open_elsewhere(io_, group, where_->port, cards));
+      watch_on(elsewhere_);
+    } catch (
+        const boost::system::system_error&) {  // the group's own socket has the same problem, and tells it
+      elsewhere_.reset();
+    }
+  }
+
+  void watch_on(const std::shared_ptr<udp::socket>& socket) {
+    socket->async_wait(udp::socket::wait_read, [this, socket](const boost::system::error_code& error) {
+      if (error || socket != elsewhere_) return;
+      constexpr int kMost = 8;
+      for (int i = 0; i < kMost; ++i) {
+        const auto sender = read_sender(*socket);
+        if (!sender) break;
+        const auto card = watched_.find(sender->second);
+        const std::string address = sender->first.to_string();
+        if (card == watched_.end() || own_.contains(address)) continue;
+        const std::lock_guard lock(owner_.mutex_);
+        owner_.elsewhere_[card->second.substr(0, card->second.find(' '))] = {address, steady_s()};
+      }
+      watch_on(socket);
+    });
+  }
+
   void receive(const std::shared_ptr<Ear>& ear) {
     ear->socket.async_wait(udp::socket::wait_read, [this, ear](const boost::system::error_code& error) {
       if (error || std::ranges::find(ears_, ear) == ears_.end()) return;  // the socket was closed
@@ -281,37 +310,23 @@ class MulticastReceiver::Listener {
     constexpr int kMost = 64;
     for (int i = 0; i < kMost; ++i) {
       boost::system::error_code error;
-      const Datagram datagram = receive_from(ear.socket, datagram_, error);
+      udp::endpoint sender;
+      const std::size_t size = ear.socket.receive_from(asio::buffer(datagram_), sender, 0, error);
       if (error == asio::error::would_block) return true;
       if (error) {
         ear.socket.close(error);
         return false;
       }
-      hear(datagram, ear);
+      hear(std::span<const std::byte>(datagram_.data(), size), sender, ear.address);
     }
     return true;
   }
 
-  void hear(const Datagram& datagram, const Ear& ear) {
+  void hear(std::span<const std::byte> datagram, const udp::endpoint& sender, const address_v4& to) {
     const double now_s = steady_s();
-    const std::string sender = datagram.sender.address().to_string();
-    const bool is_multicast = ear.address.is_multicast();
-    if (is_multicast) note_card(sender, datagram.card, now_s);
-    if (ear.only_card != 0 && datagram.card != ear.only_card) return;
-    if (is_multicast) silent_looks_ = 0;
-    note(sender, !is_multicast, now_s);
-    const std::span<const std::byte> bytes(datagram_.data(), datagram.size);
-    if (!copies_.is_copy(bytes, datagram.sender, ear.address, now_s)) owner_.handler_(bytes, datagram.sender);
-  }
-
-  void note_card(const std::string& address, unsigned card, double now_s) {
-    const auto name = card_names_.find(card);
-    if (name == card_names_.end()) return;
-    const std::lock_guard lock(owner_.mutex_);
-    auto& heard = owner_.heard_on_s_;
-    std::erase_if(heard, [&](const auto& one) { return now_s - one.second > kForgottenAfter_s; });
-    const std::pair key(address, name->second);
-    if (heard.contains(key) || heard.size() < limits::kMaxComputers) heard[key] = now_s;
+    if (to.is_multicast()) silent_looks_ = 0;
+    note(sender.address().to_string(), !to.is_multicast(), now_s);
+    if (!copies_.is_copy(datagram, sender, to, now_s)) owner_.handler_(datagram, sender);
   }
 
   void note(const std::string& address, bool is_broadcast, double now_s) {
@@ -351,8 +366,9 @@ class MulticastReceiver::Listener {
   std::vector<std::shared_ptr<Ear>> ears_;
   std::array<std::byte, 65'536> datagram_;
   Copies copies_;
-  std::set<std::string> own_;                   // addresses of this computer
-  std::map<unsigned, std::string> card_names_;  // by the system's numbers
+  std::set<std::string> own_;                // addresses of this computer
+  std::shared_ptr<udp::socket> elsewhere_;   // receives the group on other cards
+  std::map<unsigned, std::string> watched_;  // these cards' names and addresses, by the system's numbers
   asio::steady_timer timer_{io_};
   int silent_looks_ = 0;
   std::jthread thread_;  // last: ends before the members it uses are destroyed
@@ -386,11 +402,11 @@ void MulticastReceiver::set_named(std::set<std::string> addresses) {
   named_ = std::move(addresses);
 }
 
-std::vector<HeardOn> MulticastReceiver::heard_on_cards(double now_s) const {
+std::vector<HeardOn> MulticastReceiver::heard_elsewhere(double now_s) const {
   std::vector<HeardOn> out;
   const std::lock_guard lock(mutex_);
-  for (const auto& [key, heard_s] : heard_on_s_) {
-    if (now_s - heard_s <= kForgottenAfter_s) out.push_back({key.first, key.second});
+  for (const auto& [card, heard] : elsewhere_) {
+    if (now_s - heard.time_s <= kForgottenAfter_s) out.push_back({heard.address, card});
   }
   return out;
 }

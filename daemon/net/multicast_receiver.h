@@ -22,8 +22,7 @@ namespace sslv {
 struct GroupAddress {
   std::string group;  // IPv4 multicast address, or a broadcast address
   int port = 0;
-  std::string
-      interface;  // name or IPv4 address of the network card; empty: broadcasts by the system's routes
+  std::string interface;  // name or IPv4 address of the network card; empty: selected by the system's routes
 
   bool operator==(const GroupAddress&) const = default;
 };
@@ -40,10 +39,9 @@ struct HeardOn {
 };
 
 /// Receives the datagrams of a multicast group and the broadcasts to its port, in its own thread, which has
-/// lower priority than the cameras' threads. A datagram that arrives both ways is passed on once. Without a
-/// chosen card, the group is received on all cards; otherwise, datagrams on other cards are only noted. A
-/// group that could not be joined is retried every `look_interval`. A group is rejoined after ten silent
-/// intervals, because the card may have been removed and restored.
+/// lower priority than the cameras' threads. A datagram that arrives both ways is passed on once. A group
+/// that could not be joined is retried every `look_interval`. A group is rejoined after ten silent intervals,
+/// because the card may have been removed and restored.
 class MulticastReceiver {
  public:
   /// Called from the receiver's thread with every datagram and its sender.
@@ -71,8 +69,9 @@ class MulticastReceiver {
   void set_named(std::set<std::string> addresses);
   /// The senders of the last kForgottenAfter_s. `now_s`: monotonic.
   std::vector<Arrival> arrivals(double now_s) const;
-  /// Who was heard lately on which card, including cards other than the chosen one.
-  std::vector<HeardOn> heard_on_cards(double now_s) const;
+  /// For each other network card on which packets to the group arrive, one of the senders. These packets are
+  /// not passed on.
+  std::vector<HeardOn> heard_elsewhere(double now_s) const;
   static constexpr double kForgottenAfter_s = 5;
 
  private:
@@ -87,8 +86,12 @@ class MulticastReceiver {
   mutable std::mutex mutex_;  // guards the following five members
   std::string error_, broadcast_error_;
   std::set<std::string> named_;
-  std::map<std::string, Heard> heard_;                                // by address
-  std::map<std::pair<std::string, std::string>, double> heard_on_s_;  // time by address and card
+  std::map<std::string, Heard> heard_;  // by address
+  struct Elsewhere {
+    std::string address;
+    double time_s = -1e9;
+  };
+  std::map<std::string, Elsewhere> elsewhere_;  // by card
   std::unique_ptr<Listener> listener_;  // last: its thread ends before the members it uses are destroyed
 };
 

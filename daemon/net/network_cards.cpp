@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <stdexcept>
+#include <string_view>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
@@ -22,10 +23,12 @@ std::vector<NetworkCard> network_cards() {
   const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owner(list, &freeifaddrs);
   std::vector<NetworkCard> cards;
   for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
-    auto card = std::find_if(cards.begin(), cards.end(),
-                             [&](const NetworkCard& one) { return one.name == entry->ifa_name; });
+    const std::string_view label = entry->ifa_name;
+    const std::string name(label.substr(0, label.find(':')));  // "eth0:1" is another address of eth0
+    auto card =
+        std::find_if(cards.begin(), cards.end(), [&](const NetworkCard& one) { return one.name == name; });
     if (card == cards.end()) {
-      card = cards.insert(cards.end(), {.name = entry->ifa_name,
+      card = cards.insert(cards.end(), {.name = name,
                                         .addresses = {},
                                         .is_up = (entry->ifa_flags & IFF_UP) != 0,
                                         .has_link = (entry->ifa_flags & IFF_RUNNING) != 0,

@@ -74,7 +74,7 @@ class OtherVisions {
   std::uint64_t refused() const;
   /// All senders, including this daemon, and the ways in which their packets arrive.
   std::vector<Arrival> arrivals(double now_s) const { return receiver_.arrivals(now_s); }
-  std::vector<HeardOn> heard_on_cards(double now_s) const { return receiver_.heard_on_cards(now_s); }
+  std::vector<HeardOn> heard_elsewhere(double now_s) const { return receiver_.heard_elsewhere(now_s); }
   std::string broadcast_error() const { return receiver_.broadcast_error(); }
   std::string error() const { return receiver_.error(); }
 

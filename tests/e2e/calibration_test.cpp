@@ -154,7 +154,7 @@ TEST_F(Calibration, FromTheCommandLine) {
   const auto run = run_to_end({ctl_program(), "--daemon", daemon.address(), "calibrate", "--camera", "0",
                                "--points", points, "--height", "4000", "--output", output, "--accept"});
   EXPECT_EQ(run.exit_code, 0) << run.output;
-  EXPECT_THAT(run.output, AllOf(HasSubstr("accepted"), HasSubstr("in use")));
+  EXPECT_THAT(run.output, AllOf(HasSubstr("good enough"), HasSubstr("in use")));
   EXPECT_EQ(in_settings(daemon), Json::parse(std::ifstream(output)));
   EXPECT_LT(worst_error_mm(truth_, model_of(in_settings(daemon)), 0), 1.5);
 

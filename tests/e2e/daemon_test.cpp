@@ -453,6 +453,7 @@ TEST(Arguments, WrongOnesExitWithCode64) {
             "ssl-visionctl: no command \"chekc\"; did you mean \"check\"? (--help lists all)\n");
   EXPECT_EQ(run_to_end({ctl_program(), "match-log", "lst"}).output,
             "ssl-visionctl match-log: no command \"lst\"; did you mean \"list\"? (--help lists all)\n");
+  EXPECT_THAT(run_to_end({ctl_program(), "snapshot", "image.jpg"}).output, HasSubstr("--output is required"));
   EXPECT_THAT(run_to_end({daemon_program(), "--config", "/no/such.json"}).output,
               AllOf(HasSubstr("/no/such.json"), HasSubstr("No such file")));
   EXPECT_THAT(run_to_end({daemon_program(), "--version"}).output,

@@ -67,12 +67,16 @@ try {
     try {
       assert.match((await service.alertComes('card_wrong')).title, /field0 .*10\.78\.0\.2 is on other0/);
       await service.alertGoes('card_not_chosen');
+      await service.set('/network/vision/interface', 'lo');
+      await service.alertGoes('card_wrong');
       await service.set('/network/vision/interface', 'field0');
       await service.alertComes('card_wrong');
+      const refused = async () => (await service.status()).network.packets_refused;
+      assert.equal(await refused(), 0, 'packets on another card are not believed');
       await service.set('/network/vision/interface', 'other0');
-      await service.alertGoes('card_wrong');
-      const { checks: after } = await service.status();
-      assert.match(after.find(({ id }) => id === 'network').text, / on other0 \(10\.78\.0\.1\)$/);
+      await becomes(service.status, ({ checks, alerts }) => !alerts.some(({ id }) => id === 'card_wrong')
+        && checks.find(({ id }) => id === 'network').text.endsWith(' on other0 (10.78.0.1)'));
+      await becomes(refused, (count) => count > 0);
     } finally {
       team.kill();
     }

@@ -118,7 +118,9 @@ int CommandLine::parse_and_act(int argc, char** argv) {
   } catch (const CLI::RequiredError& error) {
     const CLI::App& group = deepest_command(app);
     const auto words_left = group.remaining();
-    if (words_left.empty()) return app.exit(error) == 0 ? EXIT_SUCCESS : EX_USAGE;
+    const bool has_commands = group.get_require_subcommand_min() > 0;
+    if (!has_commands || words_left.empty() || words_left.front().starts_with('-'))
+      return app.exit(error) == 0 ? EXIT_SUCCESS : EX_USAGE;
     std::cerr << unknown_command(group, words_left.front());
     return EX_USAGE;
   } catch (const CLI::ParseError& error) {

@@ -9,9 +9,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <set>
 #include <span>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -49,14 +51,17 @@ std::optional<GroupAddress> referee_address(const Config& config) {
                       referee.interface.empty() ? config.network.vision.interface : referee.interface};
 }
 
+bool has_address(const NetworkCard& card, const std::string& wanted) {
+  return std::ranges::any_of(card.addresses, [&](const auto& one) { return one.to_string() == wanted; });
+}
+
+bool is_own(const std::vector<NetworkCard>& cards, const std::string& address) {
+  return std::ranges::any_of(cards, [&](const NetworkCard& card) { return has_address(card, address); });
+}
+
 bool is_of_named_host(const std::vector<OtherVision>& visions, const std::vector<NetworkCard>& cards) {
-  if (visions.empty()) return false;
-  std::set<std::string> ours;
-  for (const NetworkCard& card : cards) {
-    for (const auto& address : card.addresses) ours.insert(address.to_string());
-  }
   return std::any_of(visions.begin(), visions.end(), [&](const OtherVision& other) {
-    return other.is_named && !ours.contains(other.address);
+    return other.is_named && !is_own(cards, other.address);
   });
 }
 
@@ -64,17 +69,19 @@ std::string with_address(const NetworkCard& card) {
   return fmt::format("{} ({})", card.name, card.addresses.front().to_string());
 }
 
-/// `heard`: other computers of the field, by card.
+/// Bridges of containers and virtual machines do not lead to teams.
+bool is_bridge(const NetworkCard& card) {
+  std::error_code ignored;
+  return std::filesystem::exists("/sys/class/net/" + card.name + "/bridge", ignored);
+}
+
+/// `elsewhere`: computers of the field on other cards, if none is heard on the sending card.
 CardsUsed cards_used(const MulticastSettings& vision, const std::vector<NetworkCard>& cards,
-                     std::vector<HeardOn> heard) {
+                     const std::vector<HeardOn>& elsewhere) {
   const std::string by_route =
       vision.interface.empty() ? address_towards(boost::asio::ip::make_address_v4(vision.group)).to_string()
                                : "";
   const std::string& interface = vision.interface.empty() ? by_route : vision.interface;
-  const auto has_address = [](const NetworkCard& card, const std::string& wanted) {
-    return std::ranges::any_of(card.addresses,
-                               [&](const auto& address) { return address.to_string() == wanted; });
-  };
   const auto used = std::ranges::find_if(cards, [&](const NetworkCard& card) {
     return !card.addresses.empty() && (card.name == interface || has_address(card, interface));
   });
@@ -82,25 +89,19 @@ CardsUsed cards_used(const MulticastSettings& vision, const std::vector<NetworkC
   CardsUsed out{.sender = with_address(*used)};
   std::vector<std::string> others;
   for (const NetworkCard& card : cards) {
-    const bool is_usable =
-        card.has_link && card.has_multicast && !card.is_loopback && !card.addresses.empty();
-    if (is_usable && card.name != used->name) others.push_back(with_address(card));
+    const bool is_usable = card.has_link && card.has_multicast && !card.is_loopback &&
+                           !card.addresses.empty() && !is_bridge(card);
+    if (is_usable && card.name != used->name) others.push_back(card.name);
   }
   if (used->is_loopback) {
     if (!others.empty()) out.unused = others.front();
     return out;
   }
   if (!used->has_link) out.without_link = used->name;
-  if (vision.interface.empty()) out.others = fmt::format("{}", fmt::join(others, ", "));
-  std::erase_if(heard, [&](const HeardOn& one) {
-    return std::ranges::any_of(cards,
-                               [&](const NetworkCard& card) { return has_address(card, one.address); });
-  });
-  const bool is_any_here =
-      std::ranges::any_of(heard, [&](const HeardOn& one) { return one.card == used->name; });
-  if (!heard.empty() && !is_any_here) {
-    out.heard_on = heard.front().card;
-    out.heard = heard.front().address;
+  if (vision.interface.empty()) out.others = fmt::format("{}", fmt::join(others, " or "));
+  if (!elsewhere.empty()) {
+    out.heard_on = elsewhere.front().card;
+    out.heard = elsewhere.front().address;
   }
   return out;
 }
@@ -218,12 +219,23 @@ void NetworkService::each_second() {
   const std::vector<NetworkCard> cards = network_cards();
   another_host_sends_ = is_of_named_host(other_visions_.seen(steady_s()), cards);
   const auto config = config_.load();
-  std::vector<HeardOn> heard = other_visions_.heard_on_cards(steady_s());
-  if (config->network.referee.interface.empty()) {  // otherwise the referees have a network of their own
-    const auto referees = referee_.heard_on_cards(steady_s());
-    heard.insert(heard.begin(), referees.begin(), referees.end());
+  cards_used_.store(cards_used(config->network.vision, cards, heard_elsewhere(*config, cards)));
+}
+
+std::vector<HeardOn> NetworkService::heard_elsewhere(const Config& config,
+                                                     const std::vector<NetworkCard>& cards) const {
+  const double now_s = steady_s();
+  std::vector<HeardOn> out = other_visions_.heard_elsewhere(now_s);
+  std::vector<Arrival> here = other_visions_.arrivals(now_s);
+  if (config.network.referee.interface.empty()) {  // otherwise the referees have a network of their own
+    const auto heard = referee_.heard_elsewhere(now_s);
+    out.insert(out.begin(), heard.begin(), heard.end());
+    const auto arrived = referee_.arrivals(now_s);
+    here.insert(here.end(), arrived.begin(), arrived.end());
   }
-  cards_used_.store(cards_used(config->network.vision, cards, std::move(heard)));
+  const bool is_any_here =
+      std::ranges::any_of(here, [&](const Arrival& one) { return !is_own(cards, one.address); });
+  return is_any_here ? std::vector<HeardOn>() : out;
 }
 
 std::string NetworkService::summary() const {

@@ -5,6 +5,7 @@
 #include "config/config.h"
 #include "net/heard_packets.h"
 #include "net/multicast.h"
+#include "net/network_cards.h"
 #include "net/other_visions.h"
 #include "net/packets.h"
 #include "net/referee_listener.h"
@@ -16,6 +17,7 @@
 #include <atomic>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace sslv {
 
@@ -49,6 +51,8 @@ class NetworkService final : public Service {
  private:
   NetworkFacts facts() const;
   std::string broadcast_error() const;
+  /// Computers of the field on other cards, if none is heard on the card in use.
+  std::vector<HeardOn> heard_elsewhere(const Config& config, const std::vector<NetworkCard>& cards) const;
 
   const Snapshot<Config>& config_;
   MulticastSender& multicast_;

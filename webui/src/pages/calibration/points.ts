@@ -9,7 +9,7 @@ export interface Corner extends Point {
   name: string;
 }
 
-/** Four points determine a camera's pose; the service refuses fewer. */
+/** Four points determine a camera's pose. The service accepts three, with which it finds the pose less often. */
 export const FEWEST_POINTS = 4;
 
 export interface Known {
