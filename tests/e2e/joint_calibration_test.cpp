@@ -164,8 +164,8 @@ TEST_F(JointCalibration, FromTheCommandLine) {
       run_to_end({ctl_program(), "--daemon", daemon.address(), "calibrate", "--together", "--cameras", "1,0",
                   "--seconds", "2", "--frames", "3", "--accept", "--report", figures});
   EXPECT_EQ(run.exit_code, 0) << run.output;
-  EXPECT_THAT(run.output, AllOf(HasSubstr("good enough"), HasSubstr("mm apart, before"), HasSubstr("camera 1"),
-                                HasSubstr("in use")));
+  EXPECT_THAT(run.output, AllOf(HasSubstr("good enough"), HasSubstr("mm apart, before"),
+                                HasSubstr("camera 1"), HasSubstr("in use")));
   EXPECT_LT(worst_disagreement_mm(in_settings(daemon), 0), 1);
 
   const auto unknown = run_to_end(
