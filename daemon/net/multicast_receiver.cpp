@@ -166,7 +166,7 @@ class MulticastReceiver::Listener {
     std::promise<void> done;
     asio::post(io_, [&] {
       close_ears([](const Ear&) { return true; });
-      elsewhere_.reset();
+      close_elsewhere();
       where_ = where;
       {
         const std::lock_guard lock(owner_.mutex_);
@@ -267,17 +267,22 @@ class MulticastReceiver::Listener {
     std::map<unsigned, std::string> names;
     for (const NetworkCard& one : cards)
       names[if_nametoindex(one.name.c_str())] = one.name + " " + one.addresses.front().to_string();
-    if (elsewhere_ && names == watched_) return;
+    if (names == watched_ && (elsewhere_ || names.empty())) return;
     watched_ = std::move(names);
-    elsewhere_.reset();
+    close_elsewhere();
     if (watched_.empty()) return;
     try {
       elsewhere_ = std::make_shared<udp::socket>(open_elsewhere(io_, group, where_->port, cards));
       watch_on(elsewhere_);
-    } catch (
-        const boost::system::system_error&) {  // the group's own socket has the same problem, and tells it
-      elsewhere_.reset();
+    } catch (const boost::system::system_error&) {
+      close_elsewhere();  // the group's own socket fails as well, and its error is reported
     }
+  }
+
+  void close_elsewhere() {
+    boost::system::error_code ignored;
+    if (elsewhere_) elsewhere_->close(ignored);  // the pending wait fails and releases the socket
+    elsewhere_.reset();
   }
 
   void watch_on(const std::shared_ptr<udp::socket>& socket) {
