@@ -86,7 +86,8 @@ CardsUsed cards_used(const MulticastSettings& vision, const std::vector<NetworkC
     return !card.addresses.empty() && (card.name == interface || has_address(card, interface));
   });
   if (used == cards.end()) return {};
-  CardsUsed out{.sender = with_address(*used)};
+  CardsUsed out;
+  out.sender = with_address(*used);
   std::vector<std::string> others;
   for (const NetworkCard& card : cards) {
     const bool is_usable = card.has_link && card.has_multicast && !card.is_loopback &&
