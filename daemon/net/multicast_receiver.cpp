@@ -5,36 +5,29 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "geometry/limits.h"
+#include "net/group_socket.h"
 #include "net/network_cards.h"
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <exception>
 #include <functional>
 #include <future>
 #include <stdexcept>
 #include <string_view>
-#include <system_error>
 #include <thread>
 
-#include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/multicast.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <net/if.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 
 namespace sslv {
 namespace {
 
 namespace asio = boost::asio;
-namespace multicast = boost::asio::ip::multicast;
 using asio::ip::address_v4;
 using asio::ip::udp;
 
@@ -49,24 +42,15 @@ std::string card_of(const GroupAddress& where) {
   return network_card_name(from.to_string());
 }
 
-/// Binds to `address`, which excludes packets of other groups and unicast. Receives from one card only:
-/// neither groups that other programs joined on other cards, nor packets sent to other cards.
-udp::socket open_at(asio::io_context& io, const address_v4& address, const GroupAddress& where,
+/// Receives from one card only: neither groups that other programs joined on other cards, nor broadcasts sent
+/// to other cards.
+GroupSocket open_at(asio::io_context& io, const address_v4& address, const GroupAddress& where,
                     const std::string& card) {
-  udp::socket socket(io, udp::v4());
-  socket.set_option(udp::socket::reuse_address(true));
-  const int off = 0;
-  setsockopt(socket.native_handle(), IPPROTO_IP, IP_MULTICAST_ALL, &off, sizeof off);
-  if (!address.is_multicast() && setsockopt(socket.native_handle(), SOL_SOCKET, SO_BINDTODEVICE, card.c_str(),
-                                            static_cast<socklen_t>(card.size())) != 0)
-    throw std::system_error(errno, std::generic_category(), card);
-  socket.bind({address, static_cast<std::uint16_t>(where.port)});
-  if (address.is_multicast() && where.interface.empty()) {
-    socket.set_option(multicast::join_group(address));
-  } else if (address.is_multicast()) {
-    socket.set_option(multicast::join_group(address, find_network_card(where.interface)));
-  }
-  socket.non_blocking(true);
+  if (!address.is_multicast()) return {io, address, where.port, card};
+  GroupSocket socket(io, address, where.port);
+  boost::system::error_code error;
+  socket.join(where.interface.empty() ? address_v4() : find_network_card(where.interface), error);
+  if (error) throw boost::system::system_error(error, "cannot join the group");
   return socket;
 }
 
@@ -79,44 +63,6 @@ std::vector<NetworkCard> other_cards(std::vector<NetworkCard> cards, const std::
     return one.name == card || !one.is_up || !one.has_multicast || one.is_loopback || one.addresses.empty();
   });
   return cards;
-}
-
-/// Receives the group on other cards. Has a small buffer, as only the senders matter.
-udp::socket open_elsewhere(asio::io_context& io, const address_v4& group, int port,
-                           const std::vector<NetworkCard>& cards) {
-  udp::socket socket(io, udp::v4());
-  socket.set_option(udp::socket::reuse_address(true));
-  const int off = 0, on = 1, bytes = 1 << 14;
-  setsockopt(socket.native_handle(), IPPROTO_IP, IP_MULTICAST_ALL, &off, sizeof off);
-  setsockopt(socket.native_handle(), IPPROTO_IP, IP_PKTINFO, &on, sizeof on);
-  setsockopt(socket.native_handle(), SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
-  socket.bind({group, static_cast<std::uint16_t>(port)});
-  for (const NetworkCard& card : cards) {
-    boost::system::error_code ignored;  // the card may be gone
-    socket.set_option(multicast::join_group(group, card.addresses.front()), ignored);
-  }
-  socket.non_blocking(true);
-  return socket;
-}
-
-/// Reads a datagram's sender and its card's number in the system; drops the rest. None if nothing waits, or
-/// after an error.
-std::optional<std::pair<address_v4, unsigned>> read_sender(udp::socket& socket) {
-  sockaddr_in from{};
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(in_pktinfo))> control;
-  msghdr message{};
-  message.msg_name = &from;
-  message.msg_namelen = sizeof from;
-  message.msg_control = control.data();
-  message.msg_controllen = control.size();
-  if (::recvmsg(socket.native_handle(), &message, 0) < 0) return std::nullopt;
-  for (cmsghdr* one = CMSG_FIRSTHDR(&message); one != nullptr; one = CMSG_NXTHDR(&message, one)) {
-    if (one->cmsg_level != IPPROTO_IP || one->cmsg_type != IP_PKTINFO) continue;
-    in_pktinfo info{};
-    std::memcpy(&info, CMSG_DATA(one), sizeof info);
-    return std::pair(address_v4(ntohl(from.sin_addr.s_addr)), static_cast<unsigned>(info.ipi_ifindex));
-  }
-  return std::pair(address_v4(), 0U);
 }
 
 /// Detects the second copy of a datagram that was sent to two addresses.
@@ -184,7 +130,7 @@ class MulticastReceiver::Listener {
  private:
   /// A socket bound to one address. The pending asynchronous wait keeps it alive.
   struct Ear {
-    udp::socket socket;
+    GroupSocket socket;
     address_v4 address;
     std::string card;  // card that broadcasts arrive on
   };
@@ -198,8 +144,7 @@ class MulticastReceiver::Listener {
   void close_ears(Which which) {
     std::erase_if(ears_, [&](const auto& ear) {
       if (!which(*ear)) return false;
-      boost::system::error_code ignored;
-      ear->socket.close(ignored);  // the pending wait fails and releases the ear
+      ear->socket.close();  // the pending wait fails and releases the ear
       return true;
     });
   }
@@ -272,28 +217,33 @@ class MulticastReceiver::Listener {
     close_elsewhere();
     if (watched_.empty()) return;
     try {
-      elsewhere_ = std::make_shared<udp::socket>(open_elsewhere(io_, group, where_->port, cards));
+      elsewhere_ = std::make_shared<GroupSocket>(io_, group, where_->port);
+      for (const NetworkCard& one : cards) {
+        boost::system::error_code ignored;  // the card may be gone
+        elsewhere_->join(one.addresses.front(), ignored);
+      }
       watch_on(elsewhere_);
-    } catch (const boost::system::system_error&) {
+    } catch (const std::runtime_error&) {
       close_elsewhere();  // the group's own socket fails as well, and its error is reported
     }
   }
 
   void close_elsewhere() {
-    boost::system::error_code ignored;
-    if (elsewhere_) elsewhere_->close(ignored);  // the pending wait fails and releases the socket
+    if (elsewhere_) elsewhere_->close();  // the pending wait fails and releases the socket
     elsewhere_.reset();
   }
 
-  void watch_on(const std::shared_ptr<udp::socket>& socket) {
-    socket->async_wait(udp::socket::wait_read, [this, socket](const boost::system::error_code& error) {
-      if (error || socket != elsewhere_) return;
+  void watch_on(const std::shared_ptr<GroupSocket>& socket) {
+    socket->async_wait([this, socket](const boost::system::error_code& failed) {
+      if (failed || socket != elsewhere_) return;
       constexpr int kMost = 8;
       for (int i = 0; i < kMost; ++i) {
-        const auto sender = read_sender(*socket);
-        if (!sender) break;
-        const auto card = watched_.find(sender->second);
-        const std::string address = sender->first.to_string();
+        boost::system::error_code error;
+        const auto datagram = socket->read(buffer_, error);
+        if (error) break;
+        if (!datagram) continue;
+        const auto card = watched_.find(datagram->card);
+        const std::string address = datagram->sender.address().to_string();
         if (card == watched_.end() || own_.contains(address)) continue;
         const std::lock_guard lock(owner_.mutex_);
         owner_.elsewhere_[card->second.substr(0, card->second.find(' '))] = {address, steady_s()};
@@ -303,7 +253,7 @@ class MulticastReceiver::Listener {
   }
 
   void receive(const std::shared_ptr<Ear>& ear) {
-    ear->socket.async_wait(udp::socket::wait_read, [this, ear](const boost::system::error_code& error) {
+    ear->socket.async_wait([this, ear](const boost::system::error_code& error) {
       if (error || std::ranges::find(ears_, ear) == ears_.end()) return;  // the socket was closed
       if (read(*ear)) receive(ear);
     });
@@ -315,14 +265,13 @@ class MulticastReceiver::Listener {
     constexpr int kMost = 64;
     for (int i = 0; i < kMost; ++i) {
       boost::system::error_code error;
-      udp::endpoint sender;
-      const std::size_t size = ear.socket.receive_from(asio::buffer(datagram_), sender, 0, error);
+      const auto datagram = ear.socket.read(buffer_, error);
       if (error == asio::error::would_block) return true;
       if (error) {
-        ear.socket.close(error);
+        ear.socket.close();
         return false;
       }
-      hear(std::span<const std::byte>(datagram_.data(), size), sender, ear.address);
+      if (datagram) hear(datagram->payload, datagram->sender, ear.address);
     }
     return true;
   }
@@ -369,10 +318,10 @@ class MulticastReceiver::Listener {
   std::optional<GroupAddress> where_;
   asio::io_context io_{1};
   std::vector<std::shared_ptr<Ear>> ears_;
-  std::array<std::byte, 65'536> datagram_;
+  std::array<std::byte, 65'536> buffer_;
   Copies copies_;
   std::set<std::string> own_;                // addresses of this computer
-  std::shared_ptr<udp::socket> elsewhere_;   // receives the group on other cards
+  std::shared_ptr<GroupSocket> elsewhere_;   // receives the group on other cards
   std::map<unsigned, std::string> watched_;  // these cards' names and addresses, by the system's numbers
   asio::steady_timer timer_{io_};
   int silent_looks_ = 0;

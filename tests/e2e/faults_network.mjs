@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Run by faults_run.test.mjs in a network namespace: the network card is removed and restored, and packets stay on the
-// computer although there is a card. Exit code 77: the kernel has no virtual cards.
+// Run by faults_run.test.mjs in a network namespace: the network card is removed and restored, packets stay on the
+// computer although there is a card, and a program binds the port for itself. Exit code 77: the kernel has no virtual cards.
 import assert from 'node:assert/strict';
 import { execFileSync, spawn } from 'node:child_process';
+import { createSocket } from 'node:dgram';
+import { once } from 'node:events';
 import { readlinkSync } from 'node:fs';
 import { FaultyService, report, tries } from './faults.mjs';
 import { becomes } from './service.mjs';
@@ -24,9 +26,29 @@ try {
 }
 const service = new FaultyService('239.255.79.99');
 service.settings.network.vision.interface = 'field0';
+// No port is taken in this namespace. A reserved one would be shared, so no program could bind it for itself.
+service.settings.network.vision.port = 10006;
+
+/** A program that binds the port without SO_REUSEADDR, as some teams' do, and receives packets. */
+async function bindAlone() {
+  const { group, port } = service.settings.network.vision;
+  const socket = createSocket('udp4').bind(port);
+  await once(socket, 'listening');
+  socket.addMembership(group, ADDRESS);
+  return socket;
+}
+
 try {
-  await service.prepare();
+  service.writeSettings();
+  const before = await bindAlone();
   await service.start();
+  await once(before, 'message');
+  assert.ok(!(await service.status()).alerts.some(({ id }) => id === 'group_not_heard'));
+  before.close();
+  const after = await bindAlone();
+  await once(after, 'message');
+  after.close();
+
   await service.set('/network/vision/interface', 'lo');
   assert.match((await service.alertComes('only_this_computer')).fix, /field0/);
   const { checks } = await service.status();

@@ -7,23 +7,60 @@
 #include "support/group_listener.h"
 #include "support/own_network.h"
 
+#include <array>
+#include <cerrno>
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/multicast.hpp>
 #include <gmock/gmock.h>
+#include <linux/capability.h>
+#include <poll.h>
+#include <sys/syscall.h>
 
 namespace sslv::multicast_receiver_test {
 namespace {
 
 using testing::HasSubstr;
+
+/// Sets or clears the right to open raw sockets, for this thread and those that it creates. False if it is
+/// missing.
+bool set_raw_sockets(bool are_permitted) {
+  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+  std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> rights{};
+  if (syscall(SYS_capget, &header, rights.data()) != 0) return false;
+  constexpr std::uint32_t kRight = 1U << CAP_NET_RAW;
+  if (are_permitted && !(rights[0].permitted & kRight)) return false;
+  rights[0].effective = are_permitted ? rights[0].effective | kRight : rights[0].effective & ~kRight;
+  return syscall(SYS_capset, &header, rights.data()) == 0;
+}
+
+/// The parameter: whether raw sockets are permitted.
+class MulticastReceiverTest : public testing::TestWithParam<bool> {
+ protected:
+  void SetUp() override {
+    if (!set_raw_sockets(GetParam())) GTEST_SKIP() << "not permitted: raw sockets";
+  }
+  void TearDown() override { set_raw_sockets(true); }
+};
+
+INSTANTIATE_TEST_SUITE_P(, MulticastReceiverTest, testing::Bool(),
+                         [](const auto& info) { return info.param ? "Raw" : "Bound"; });
+
+class MulticastReceiverWithoutRights : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(set_raw_sockets(false)); }
+  void TearDown() override { set_raw_sockets(true); }
+};
 
 /// Passes what a receiver heard to the test's thread.
 class Heard {
@@ -64,22 +101,19 @@ void send(const GroupListener& to, const std::string& text) {
   send(sender, text);
 }
 
-/// Removes this program's socket (not the listener's own) from its group, as the kernel does when the network
-/// card disappears.
+/// Removes this program's other socket from the listener's group, as the kernel does when the network card
+/// disappears.
 void lose_membership(const GroupListener& listener) {
   const ip_mreq membership{{inet_addr(GroupListener::kGroup)}, {htonl(INADDR_LOOPBACK)}};
   for (int fd = 0; fd < 1024; ++fd) {
-    sockaddr_in local{};
-    socklen_t length = sizeof local;
-    if (getsockname(fd, reinterpret_cast<sockaddr*>(&local), &length) == 0 && local.sin_family == AF_INET &&
-        local.sin_port == htons(listener.port()) && fd != listener.fd() &&
+    if (fd != listener.fd() &&
         setsockopt(fd, IPPROTO_IP, IP_DROP_MEMBERSHIP, &membership, sizeof membership) == 0)
       return;
   }
   throw std::runtime_error("nobody else has joined the group");
 }
 
-TEST(MulticastReceiver, HearsEveryDatagramFromTheMomentItListens) {
+TEST_P(MulticastReceiverTest, HearsEveryDatagramFromTheMomentItListens) {
   GroupListener group;
   Heard heard;
   MulticastReceiver receiver("test", heard.handler());
@@ -93,7 +127,7 @@ TEST(MulticastReceiver, HearsEveryDatagramFromTheMomentItListens) {
   EXPECT_TRUE(heard.last_sender().address().is_loopback());
 }
 
-TEST(MulticastReceiver, ListensElsewhereOrNowhereWhenTold) {
+TEST_P(MulticastReceiverTest, ListensElsewhereOrNowhereWhenTold) {
   GroupListener first, second;
   Heard heard;
   MulticastReceiver receiver("test", heard.handler());
@@ -109,7 +143,7 @@ TEST(MulticastReceiver, ListensElsewhereOrNowhereWhenTold) {
   EXPECT_EQ(heard.next(), "first");
 }
 
-TEST(MulticastReceiver, RejoinsASilentGroup) {
+TEST_P(MulticastReceiverTest, RejoinsASilentGroup) {
   GroupListener group;
   Heard heard;
   MulticastReceiver receiver("test", heard.handler(), std::chrono::milliseconds(20));
@@ -129,7 +163,7 @@ MulticastSettings broadcasting(const GroupListener& listener, const char* addres
   return settings;
 }
 
-TEST(MulticastReceiver, HearsBroadcastsToThePort) {
+TEST_P(MulticastReceiverTest, HearsBroadcastsToThePort) {
   GroupListener group;
   Heard heard;
   MulticastReceiver receiver("test", heard.handler());
@@ -147,7 +181,7 @@ TEST(MulticastReceiver, HearsBroadcastsToThePort) {
   EXPECT_TRUE(receiver.arrivals(steady_s() + 10).empty());
 }
 
-TEST(MulticastReceiver, CanReceiveBroadcastsOnly) {
+TEST_P(MulticastReceiverTest, CanReceiveBroadcastsOnly) {
   GroupListener group;
   Heard heard;
   MulticastReceiver receiver("test", heard.handler());
@@ -159,7 +193,7 @@ TEST(MulticastReceiver, CanReceiveBroadcastsOnly) {
   EXPECT_EQ(heard.next(), "heard");
 }
 
-TEST(MulticastReceiver, DropsCopiesThatArriveBothWays) {
+TEST_P(MulticastReceiverTest, DropsCopiesThatArriveBothWays) {
   for (const char* other_way : {GroupListener::kGroup, "255.255.255.255"}) {
     GroupListener group;
     Heard heard;
@@ -188,7 +222,7 @@ TEST(MulticastReceiver, DropsCopiesThatArriveBothWays) {
   }
 }
 
-TEST(MulticastReceiver, DropsBroadcastsFromOtherCardsThanTheGroups) {
+TEST_P(MulticastReceiverTest, DropsBroadcastsFromOtherCardsThanTheGroups) {
   const int status = without_network([] {
     if (!bring_loopback_up()) return kNoNamespaces;
     MulticastSettings settings;
@@ -214,7 +248,7 @@ TEST(MulticastReceiver, DropsBroadcastsFromOtherCardsThanTheGroups) {
   EXPECT_EQ(status, kPassed);
 }
 
-TEST(MulticastReceiver, SaysWhyBroadcastsAreNotHeardWhileTheGroupIs) {
+TEST_F(MulticastReceiverWithoutRights, SaysWhyBroadcastsAreNotHeardWhileTheGroupIs) {
   GroupListener group;
   boost::asio::io_context io;
   const boost::asio::ip::udp::socket another_program(
@@ -224,7 +258,8 @@ TEST(MulticastReceiver, SaysWhyBroadcastsAreNotHeardWhileTheGroupIs) {
   receiver.listen(at(group));
   EXPECT_EQ(receiver.error(), "");
   EXPECT_THAT(receiver.broadcast_error(),
-              testing::AllOf(testing::StartsWith("127.255.255.255:"), HasSubstr("Address already in use")));
+              testing::AllOf(testing::StartsWith("127.255.255.255:"),
+                             HasSubstr("another program uses this port without SO_REUSEADDR")));
   send(group, "heard");
   EXPECT_EQ(heard.next(), "heard");
   receiver.listen(std::nullopt);
@@ -240,7 +275,7 @@ void send_from(const std::string& address, const GroupListener& to) {
   socket.send_to(boost::asio::buffer(address), {ip::make_address_v4(GroupListener::kGroup), to.port()});
 }
 
-TEST(MulticastReceiver, ManyStrangersDoNotDisplaceKnownSenders) {
+TEST_P(MulticastReceiverTest, ManyStrangersDoNotDisplaceKnownSenders) {
   GroupListener group;
   Heard heard;
   MulticastReceiver receiver("test", heard.handler());
@@ -260,7 +295,7 @@ TEST(MulticastReceiver, ManyStrangersDoNotDisplaceKnownSenders) {
   EXPECT_THAT(listed, testing::UnorderedElementsAreArray(senders));
 }
 
-TEST(MulticastReceiver, LosesNoBroadcastWhileRejoining) {
+TEST_P(MulticastReceiverTest, LosesNoBroadcastWhileRejoining) {
   GroupListener group;
   Heard heard;
   MulticastReceiver receiver("test", heard.handler(), std::chrono::milliseconds(1));
@@ -272,7 +307,7 @@ TEST(MulticastReceiver, LosesNoBroadcastWhileRejoining) {
   }
 }
 
-TEST(MulticastReceiver, SaysWhichCardIsNotThere) {
+TEST_P(MulticastReceiverTest, SaysWhichCardIsNotThere) {
   GroupListener group;
   Heard heard;
   MulticastReceiver receiver("test", heard.handler());
@@ -285,6 +320,110 @@ TEST(MulticastReceiver, SaysWhichCardIsNotThere) {
   EXPECT_EQ(receiver.broadcast_error(), "");
   send(group, "heard");
   EXPECT_EQ(heard.next(), "heard");
+}
+
+/// A socket as a team's program opens it.
+struct Client {
+  const char* who;
+  int family;
+  bool binds_group;
+  std::vector<int> options;
+};
+const std::vector<Client> kClients{
+    {"Node.js, Python", AF_INET, false, {}},
+    {"C++ that binds the group", AF_INET, true, {}},
+    {"Java, Qt", AF_INET, false, {SO_REUSEADDR}},
+    {"Java since version 9", AF_INET6, false, {SO_REUSEADDR, SO_REUSEPORT}},
+    {"libraries that set SO_REUSEPORT only", AF_INET, false, {SO_REUSEPORT}},
+    {"Node.js with IPv6", AF_INET6, false, {}},
+};
+
+/// The client's socket, with the group joined on the loopback interface. Throws std::system_error.
+int open_client(const Client& client, int port) {
+  const auto check = [](int result) {
+    if (result < 0) throw std::system_error(errno, std::generic_category());
+    return result;
+  };
+  const int fd = check(socket(client.family, SOCK_DGRAM | SOCK_NONBLOCK, 0));
+  const int on = 1;
+  for (const int option : client.options) check(setsockopt(fd, SOL_SOCKET, option, &on, sizeof on));
+  const in_addr group{inet_addr(GroupListener::kGroup)};
+  const auto port_in_order = htons(static_cast<std::uint16_t>(port));
+  sockaddr_in v4{AF_INET, port_in_order, client.binds_group ? group : in_addr{}, {}};
+  sockaddr_in6 v6{AF_INET6, port_in_order, 0, in6addr_any, 0};
+  check(client.family == AF_INET ? bind(fd, reinterpret_cast<sockaddr*>(&v4), sizeof v4)
+                                 : bind(fd, reinterpret_cast<sockaddr*>(&v6), sizeof v6));
+  const ip_mreq membership{group, {htonl(INADDR_LOOPBACK)}};
+  check(setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership));
+  return fd;
+}
+
+std::string read_client(int fd) {
+  pollfd wait{fd, POLLIN, 0};
+  std::array<char, 64> text{};
+  poll(&wait, 1, static_cast<int>(std::chrono::milliseconds(test::kPatience).count()));
+  const ssize_t bytes = recv(fd, text.data(), text.size(), 0);
+  return bytes < 0 ? "nothing" : std::string(text.data(), static_cast<std::size_t>(bytes));
+}
+
+TEST(MulticastReceiver, LetsClientsBindThePortBeforeAndAfterIt) {
+  if (!set_raw_sockets(true)) GTEST_SKIP() << "not permitted: raw sockets";
+  MulticastSettings settings;
+  { settings = settings_for(GroupListener()); }  // a free port
+  for (const bool client_is_first : {true, false}) {
+    for (const Client& client : kClients) {
+      SCOPED_TRACE(client.who + std::string(client_is_first ? ", first" : ", second"));
+      int fd = client_is_first ? open_client(client, settings.port) : -1;
+      Heard heard;
+      MulticastReceiver receiver("test", heard.handler());
+      receiver.listen(GroupAddress{GroupListener::kGroup, settings.port, "lo"});
+      EXPECT_EQ(receiver.error(), "");
+      EXPECT_EQ(receiver.broadcast_error(), "");
+      if (!client_is_first) ASSERT_NO_THROW(fd = open_client(client, settings.port));
+      MulticastSender sender(settings);
+      send(sender, client.who);
+      EXPECT_EQ(heard.next(), client.who);
+      EXPECT_EQ(read_client(fd), client.who);
+      close(fd);
+    }
+  }
+}
+
+TEST_F(MulticastReceiverWithoutRights, TellsWhichProgramIsInTheWay) {
+  MulticastSettings settings;
+  { settings = settings_for(GroupListener()); }
+  const int fd = open_client(kClients[0], settings.port);
+  Heard heard;
+  MulticastReceiver receiver("test", heard.handler(), std::chrono::milliseconds(1));
+  receiver.listen(GroupAddress{GroupListener::kGroup, settings.port, "lo"});
+  EXPECT_THAT(receiver.error(), HasSubstr("another program uses this port without SO_REUSEADDR"));
+  close(fd);
+  EXPECT_TRUE(test::becomes([&] { return receiver.error().empty(); }));
+}
+
+/// Raw sockets receive what the kernel would not pass to others.
+TEST(MulticastReceiver, IgnoresDamagedDatagrams) {
+  const int status = without_network([] {
+    if (!bring_loopback_up()) return kNoNamespaces;
+    Heard heard;
+    MulticastReceiver receiver("test", heard.handler());
+    receiver.listen(GroupAddress{GroupListener::kGroup, 10006, "lo"});
+    const int fd = socket(AF_INET, SOCK_RAW, IPPROTO_UDP);
+    const in_addr card{htonl(INADDR_LOOPBACK)};
+    setsockopt(fd, IPPROTO_IP, IP_MULTICAST_IF, &card, sizeof card);
+    const sockaddr_in group{AF_INET, 0, {inet_addr(GroupListener::kGroup)}, {}};
+    const auto put = [&](std::vector<unsigned char> bytes) {
+      return sendto(fd, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&group),
+                    sizeof group) > 0;
+    };
+    // Port 10006 is 0x2716. Too short, lengths that are too small and too large, and a correct one.
+    if (!put({0, 1}) || !put({0, 1, 0x27, 0x16}) || !put({0, 1, 0x27, 0x16, 0, 7, 0, 0, 'a'}) ||
+        !put({0, 1, 0x27, 0x16, 0, 10, 0, 0, 'b'}) || !put({0, 1, 0x27, 0x16, 0, 9, 0, 0, 'c', 'd'}))
+      return kNoNamespaces;
+    return heard.next() == "c" && heard.last_sender().port() == 1 ? kPassed : 1;
+  });
+  if (status == kNoNamespaces) GTEST_SKIP() << "this system gives no network namespace";
+  EXPECT_EQ(status, kPassed);
 }
 
 }  // namespace
