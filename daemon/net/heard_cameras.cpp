@@ -35,6 +35,8 @@ void HeardCameras::forget(double now_s) {
   std::erase_if(places_,
                 [&](const auto& one) { return now_s - one.second.heard_s > kPlaceForgottenAfter_s; });
   std::erase_if(holders_, [&](const auto& one) { return now_s - one.second.heard_s > kForgottenAfter_s; });
+  std::erase_if(without_place_,
+                [&](const auto& one) { return now_s - one.second.heard_s > kForgottenAfter_s; });
   std::erase_if(conflicts_, [&](const auto& one) { return now_s - one.second.first > kForgottenAfter_s; });
 }
 
@@ -60,7 +62,12 @@ bool HeardCameras::hear(const VisionMessage& message, const std::string& address
   const CameraSightings& image = message.detection->arrived.image;
   const Key key{address, image.camera};
   const auto place = places_.find(key);
-  if (place == places_.end()) return false;  // not calibrated, or its geometry was not received yet
+  if (place == places_.end()) {  // not calibrated, or its geometry was not received yet
+    if (is_named && !own_.contains(image.camera))
+      without_place_.try_emplace(key, Wait{now_s, now_s}).first->second.heard_s = now_s;
+    return false;
+  }
+  without_place_.erase(key);
   place->second.heard_s = now_s;
   place->second.is_named = is_named;
   if (own_.contains(image.camera)) {
@@ -94,6 +101,15 @@ std::vector<HeardCameras::Conflict> HeardCameras::conflicts(double now_s) const 
       if (now_s - heard.first <= kForgottenAfter_s && places_.at(key).is_named == is_named)
         out.push_back(heard.second);
     }
+  }
+  return out;
+}
+
+std::vector<HeardCameras::Uncalibrated> HeardCameras::uncalibrated(double now_s) const {
+  std::vector<Uncalibrated> out;
+  for (const auto& [key, wait] : without_place_) {
+    if (now_s - wait.heard_s <= kForgottenAfter_s && now_s - wait.since_s >= kCalibrationAfter_s)
+      out.push_back({key.second, key.first});
   }
   return out;
 }

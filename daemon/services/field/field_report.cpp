@@ -84,6 +84,18 @@ void report_field(const FieldFacts& facts, HealthReport& report) {
          .page = ""});
   }
   report.add_as_one(std::move(twice));
+  std::vector<Alert> uncalibrated;
+  for (const HeardCameras::Uncalibrated& one : facts.uncalibrated) {
+    uncalibrated.push_back(
+        {.id = "other_camera_uncalibrated",
+         .check = "other_visions",
+         .severity = Severity::kWarn,
+         .title = fmt::format("Camera {} of {} is not tracked: its calibration is not received", one.camera,
+                              one.address),
+         .fix = "Calibrate the camera on that computer, which then sends the calibration with its geometry.",
+         .page = ""});
+  }
+  report.add_as_one(std::move(uncalibrated));
   const LeftOut& left_out = facts.left_out;
   // Negative after the clock was set back: then the age is unknown.
   const double ago_s = facts.now_s - left_out.t_s;

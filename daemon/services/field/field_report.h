@@ -31,6 +31,7 @@ struct FieldFacts {
   std::string sending_error;  // why tracks cannot be sent; empty: they are sent, or sending is off
   bool some_leave = false;    // see MulticastStatus
   std::vector<HeardCameras::Conflict> conflicts;
+  std::vector<HeardCameras::Uncalibrated> uncalibrated{};
   StackFacts stack{};          // the field's stack
   std::optional<Hang> hang{};  // hang of the field's thread
   std::int64_t now_ns = 0;     // time of steady_ns()

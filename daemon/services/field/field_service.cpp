@@ -280,6 +280,7 @@ void FieldService::report(HealthReport& report) const {
   {
     const std::lock_guard lock(heard_mutex_);
     facts.conflicts = heard_cameras_.conflicts(steady_s());
+    facts.uncalibrated = heard_cameras_.uncalibrated(steady_s());
   }
   report_field(facts, report);
   if (!report.status) return;

@@ -59,9 +59,10 @@ bool is_own(const std::vector<NetworkCard>& cards, const std::string& address) {
   return std::ranges::any_of(cards, [&](const NetworkCard& card) { return has_address(card, address); });
 }
 
-bool is_of_named_host(const std::vector<OtherVision>& visions, const std::vector<NetworkCard>& cards) {
-  return std::any_of(visions.begin(), visions.end(), [&](const OtherVision& other) {
-    return other.is_named && !is_own(cards, other.address);
+/// Programs that send the geometry only have no times.
+bool named_host_sends_times(const std::vector<OtherVision>& visions, const std::vector<NetworkCard>& cards) {
+  return std::ranges::any_of(visions, [&](const OtherVision& other) {
+    return other.is_named && !other.cameras.empty() && !is_own(cards, other.address);
   });
 }
 
@@ -218,7 +219,7 @@ void NetworkService::write_metrics(MetricsText& out) const {
 void NetworkService::each_second() {
   packet_timeline_.add(unix_time_s(), multicast_.status().packets_sent);
   const std::vector<NetworkCard> cards = network_cards();
-  another_host_sends_ = is_of_named_host(other_visions_.seen(steady_s()), cards);
+  another_host_sends_ = named_host_sends_times(other_visions_.seen(steady_s()), cards);
   const auto config = config_.load();
   cards_used_.store(cards_used(config->network.vision, cards, heard_elsewhere(*config, cards)));
 }

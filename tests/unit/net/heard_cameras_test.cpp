@@ -133,6 +133,24 @@ TEST_F(Heard, ACameraWhoseGeometryComesOnceAMinuteStays) {
   }
 }
 
+TEST_F(Heard, ACameraOfANamedComputerWithoutCalibrationIsReported) {
+  const auto hear_for_seconds = [&](const char* address, int from_s, int to_s) {
+    for (int second = from_s; second < to_s; ++second) hear(detection(4), address, second);
+  };
+  hear_for_seconds("named", 0, 5);
+  hear_for_seconds("stranger", 0, 20);
+  EXPECT_THAT(cameras_.uncalibrated(4), IsEmpty()) << "its geometry may still come";
+  hear_for_seconds("named", 5, 10);
+  EXPECT_THAT(cameras_.uncalibrated(9), ElementsAre(HeardCameras::Uncalibrated{4, "named"}));
+  EXPECT_THAT(cameras_.uncalibrated(20), IsEmpty()) << "it is silent";
+  hear(geometry(4), "named", 10);
+  hear(detection(4), "named", 10);
+  EXPECT_THAT(cameras_.uncalibrated(10), IsEmpty());
+  cameras_.set_own({4});
+  hear_for_seconds("named b", 0, 10);
+  EXPECT_THAT(cameras_.uncalibrated(9), IsEmpty()) << "another alert names the id";
+}
+
 TEST_F(Heard, ConflictsAreLimitedAndExpire) {
   hear(geometry(4), "named", 0);
   hear(detection(4), "named", 0);

@@ -179,6 +179,7 @@ std::vector<Alert> field_alerts() {
   facts.sending_error = "no card";
   facts.now_s = 1000;
   facts.conflicts = {{3, "192.168.1.8", "192.168.1.7"}};
+  facts.uncalibrated = {{4, "192.168.1.7"}};
   for (int i = 0; i < 3; ++i)
     facts.agreement.differences[static_cast<std::size_t>(i)] = {
         0, 1, 250, 250.0F + 500.0F * static_cast<float>(i), 7, 0, 100, 999};
@@ -502,6 +503,13 @@ TEST_F(Alerts, OfTheClockOnlyWhereAnotherVisionsTimesAreComparedWithIt) {
   EXPECT_THAT(kinds(), ElementsAre("clock_not_synchronised", "vision_other"));
   input_.clock.reset();
   EXPECT_THAT(kinds(), ElementsAre("vision_other"));
+}
+
+TEST_F(Alerts, SayThatAProgramSendsTheGeometryOnly) {
+  OtherVision publisher;
+  publisher.address = "10.0.0.3";
+  input_.other_visions = {publisher};
+  EXPECT_EQ(only_alert().title, "10.0.0.3 also sends the field's geometry to the vision group");
 }
 
 TEST_F(Alerts, SayWhichComputerIsHeardAndNotNamed) {
