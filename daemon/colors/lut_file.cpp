@@ -256,6 +256,15 @@ std::vector<ImportedTable> tables_of_xml(Bytes bytes, const std::string& file_na
   return std::move(finds.tables);
 }
 
+/// Removes empty tables, which SSL-Vision saves for cameras whose colours were never set.
+std::vector<ImportedTable> without_empty(std::vector<ImportedTable> tables, const std::string& file_name) {
+  std::erase_if(tables, [](const ImportedTable& one) {
+    return std::ranges::all_of(one.table.labels, [](Label label) { return label == label::kClear; });
+  });
+  if (tables.empty()) refuse_file(file_name, "is an empty colour table: no cell has a colour");
+  return tables;
+}
+
 }  // namespace
 
 std::string table_json_text(const ColorTable& table, const LabelSet& labels) {
@@ -289,7 +298,7 @@ std::vector<ImportedTable> import_tables(Bytes bytes, const std::string& file_na
   const auto alone = [&](const char* format, ColorTable table) {
     std::vector<ImportedTable> out;
     out.push_back({file_name, std::nullopt, format, std::move(table)});
-    return out;
+    return without_empty(std::move(out), file_name);
   };
   if (is_lut(bytes)) return alone(".lut", decode_lut(bytes, file_name, labels));
   constexpr std::array<std::uint8_t, 3> kByteOrderMark{0xEF, 0xBB, 0xBF};
@@ -298,7 +307,7 @@ std::vector<ImportedTable> import_tables(Bytes bytes, const std::string& file_na
       std::equal(kByteOrderMark.begin(), kByteOrderMark.end(), text.begin()))
     text = text.subspan(kByteOrderMark.size());
   while (!text.empty() && std::isspace(text.front()) != 0) text = text.subspan(1);
-  if (!text.empty() && text.front() == '<') return tables_of_xml(text, file_name);
+  if (!text.empty() && text.front() == '<') return without_empty(tables_of_xml(text, file_name), file_name);
   if (!text.empty() && text.front() == '{') return alone("JSON", table_of_json(text, file_name, labels));
   refuse_file(file_name,
               "is not a colour table: neither a .lut file, nor JSON of this program, nor XML of SSL-Vision");

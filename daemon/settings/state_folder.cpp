@@ -100,6 +100,34 @@ void make_folder(const fs::path& path, std::error_code& error) {
   if (parent.get() >= 0) ::fsync(parent.get());
 }
 
+/// Names the format of another program's file, and the command that reads it; empty for an unknown format.
+std::string other_format(std::string_view text) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF", kSpace = " \t\r\n";
+  if (text.starts_with("\x1F\x8B")) return "is compressed (gzip)";
+  if (text.starts_with("\x89PNG") || text.starts_with("\xFF\xD8")) return "is an image";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  while (!text.empty()) {
+    text.remove_prefix(std::min(text.find_first_not_of(kSpace), text.size()));
+    const std::string_view line = text.substr(0, text.find('\n'));
+    if (line.starts_with('<')) {
+      constexpr std::size_t kBeginning = 1000;
+      if (text.find("<VarXML>") == std::string_view::npos) return "is XML";
+      if (text.substr(0, kBeginning).find("LUT Data") != std::string_view::npos)
+        return "is a colour table of SSL-Vision; ssl-visionctl colours import reads it";
+      return "has settings of SSL-Vision, which this version does not read. ssl-visionctl colours import "
+             "reads "
+             "SSL-Vision's colour tables";
+    }
+    const std::size_t name =
+        line.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-");
+    if (line.starts_with("---") || (name != 0 && name < line.size() && line[name] == ':'))
+      return "is YAML, perhaps the Vision Processor's settings, which this version does not read";
+    if (!line.starts_with('#')) return {};
+    text.remove_prefix(line.size());
+  }
+  return {};
+}
+
 }  // namespace
 
 Json read_json_file(const fs::path& file) {
@@ -112,6 +140,8 @@ Json read_json_file(const fs::path& file) {
   try {
     return parse_own_json(text);
   } catch (const Json::parse_error& error) {
+    if (const std::string format = other_format(text); !format.empty())
+      throw SettingsError(fmt::format("{}: must be JSON, but {}", file.string(), format));
     const auto upto = text.substr(0, error.byte > 0 ? error.byte - 1 : 0);
     const auto line = 1 + std::count(upto.begin(), upto.end(), '\n');
     const auto column = upto.size() - (upto.rfind('\n') == std::string::npos ? 0 : upto.rfind('\n') + 1) + 1;

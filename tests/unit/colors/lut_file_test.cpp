@@ -193,6 +193,18 @@ TEST(TableFile, TheFilesNameTellsTheCamera) {
   EXPECT_FALSE(import_tables(bytes, "lut.xml")[0].camera);
 }
 
+TEST(TableFile, EmptyTablesReplaceNothing) {
+  const std::string empty = var("LUT Data", "blob", to_base64(Bytes(131'072)));
+  const std::string why = "a file: is an empty colour table: no cell has a colour";
+  EXPECT_EQ(error_of_text(xml(empty)), why);
+  EXPECT_EQ(error_of_text(table_json_text(ColorTable(7))), why);
+  EXPECT_EQ(error_of([] { import_tables(encode_lut(ColorTable(7)), "a file"); }), why);
+  const auto tables = import_text(xml(var("Camera 0", "list", empty) +
+                                      var("Camera 1", "list", var("LUT Data", "blob", blob(label::kPink)))));
+  ASSERT_EQ(tables.size(), 1u);
+  EXPECT_EQ(tables[0].camera, 1);
+}
+
 TEST(TableFile, BearsMistakesInXml) {
   const std::string lut = var("LUT Data", "blob", blob(label::kPink));
   const auto found = [&](const std::string& text) { return import_text(text)[0].table.of({70, 130, 210}); };

@@ -420,6 +420,24 @@ TEST_F(Store, AFailedSyncIsUndoneOnTheDisk) {
   EXPECT_EQ(set(store, "a", 9).revision, 4u);
 }
 
+TEST_F(Store, ReadingAFileNamesTheFormatsOfOtherPrograms) {
+  const auto error_of_text = [&](const std::string& text) {
+    write(saved_, text);
+    return error_of<SettingsError>([&] { read_json_file(saved_); });
+  };
+  const std::string xml = "\xEF\xBB\xBF<?xml version=\"1.0\"?>\n<VarXML>\n";
+  EXPECT_THAT(error_of_text(xml + "<Var name=\"LUT Data\" type=\"blob\">AAAA"),
+              HasSubstr(": must be JSON, but is a colour table of SSL-Vision; ssl-visionctl colours import"));
+  EXPECT_THAT(error_of_text(xml + "<Var name=\"Global\" type=\"list\">"),
+              HasSubstr("settings of SSL-Vision"));
+  EXPECT_THAT(error_of_text("<html>"), HasSubstr(": must be JSON, but is XML"));
+  EXPECT_THAT(error_of_text("# a comment\n\ncam_id: 0\n"), HasSubstr(": must be JSON, but is YAML"));
+  EXPECT_THAT(error_of_text("\x1F\x8B\x08"), HasSubstr("is compressed (gzip)"));
+  EXPECT_THAT(error_of_text("{\"a\": 1,\n b}"), HasSubstr(": line 2, column 2: not valid JSON"));
+  for (const char* text : {"", "#", ":", "a", "{", "1 2"})
+    EXPECT_THAT(error_of_text(text), HasSubstr("not valid JSON")) << text;
+}
+
 TEST(WriteFileDurably, TakesANameWithoutAFolder) {
   const test::TemporaryFolder folder;
   const auto before = std::filesystem::current_path();
