@@ -2,6 +2,7 @@
 #include "recording/match_log_convert.h"
 
 #include "base/error.h"
+#include "recording/match_log_index.h"
 #include "recording/match_log_reader.h"
 #include "recording/match_log_writer.h"
 
@@ -10,6 +11,7 @@
 #include <ios>
 #include <span>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -88,6 +90,24 @@ ConvertedMatchLog convert_match_log(const std::filesystem::path& from, const std
   PlainLog plain(to);
   auto out = copy_messages(reader, [&](const LoggedMessage& message) { plain.add(message); });
   plain.finish();
+  return out;
+}
+
+std::optional<ConvertedMatchLog> rewrite_match_log(const std::filesystem::path& log) {
+  namespace fs = std::filesystem;
+  if (make_match_log_index(log).problem.empty()) return std::nullopt;
+  const fs::path damaged = log.string() + ".damaged",
+                 rewritten = log.parent_path() / ("rewritten." + log.filename().string());
+  if (fs::exists(damaged)) throw StorageError(fmt::format("{}: already exists", damaged.string()));
+  const ConvertedMatchLog out = convert_match_log(log, rewritten);
+  const auto rename = [](const fs::path& from, const fs::path& to) {
+    std::error_code error;
+    fs::rename(from, to, error);
+    if (error) throw StorageError(fmt::format("{}: cannot be renamed: {}", from.string(), error.message()));
+  };
+  rename(log, damaged);
+  rename(rewritten, log);
+  if (fs::exists(index_file_of(rewritten))) rename(index_file_of(rewritten), index_file_of(log));
   return out;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace sslv {
@@ -16,5 +17,9 @@ struct ConvertedMatchLog {
 /// index at its end if it ends with .log. If a log is damaged, keeps the messages before the damage. `to`
 /// must not exist. Throws StorageError.
 ConvertedMatchLog convert_match_log(const std::filesystem::path& from, const std::filesystem::path& to);
+
+/// Replaces a damaged log of another program by a new one with all messages that can be read, and keeps the
+/// damaged file as NAME.damaged, which must not exist. None if the log is whole. Throws StorageError.
+std::optional<ConvertedMatchLog> rewrite_match_log(const std::filesystem::path& log);
 
 }  // namespace sslv

@@ -51,24 +51,43 @@ bool MatchLogReader::stop(const std::string& why) {
   return false;
 }
 
-/// Reads the next message's header unless it was already read. False at the end, or after a problem.
+/// Skips bytes of the file. False if it ends before.
+bool MatchLogReader::skip(std::uint64_t bytes) {
+  std::array<std::byte, 4096> skipped{};
+  while (bytes > 0) {
+    const std::size_t count =
+        file_.read(std::span(skipped).first(std::min<std::uint64_t>(bytes, skipped.size())));
+    if (count == 0) return false;
+    bytes -= count;
+  }
+  return true;
+}
+
+/// Reads the next message's header unless it was already read. False at the end, or after a problem. Skips
+/// indices and the beginnings of further logs.
 bool MatchLogReader::read_header() {
   if (header_) return true;
   if (is_at_end_) return false;
-  const std::uint64_t offset = file_.offset();
+  std::uint64_t offset = 0;
   std::array<std::byte, kMessageHeaderBytes> bytes{};
-  const std::size_t count = file_.read(bytes);
+  std::size_t count = 0;
+  MessageHeader header;
+  do {
+    offset = file_.offset();
+    count = file_.read(bytes);
+    header = read_message_header(bytes);
+    if (count == bytes.size() && header.type == LoggedMessage::kIndex &&
+        (header.size < 0 || !skip(static_cast<std::uint64_t>(header.size)))) {
+      is_at_end_ = true;
+      return false;
+    }
+  } while (count == bytes.size() && (bytes == log_header() || header.type == LoggedMessage::kIndex));
   if (count < bytes.size()) {
     is_at_end_ = true;
     if (count == 0 && file_.problem().empty()) return false;
     return stop(file_.problem().empty() || file_.problem() == PackedFile::kCutOff
                     ? fmt::format("message {} is cut off", messages_ + 1)
                     : fmt::format("{} after message {}", file_.problem(), messages_));
-  }
-  const MessageHeader header = read_message_header(bytes);
-  if (header.type == LoggedMessage::kIndex) {  // the last message
-    is_at_end_ = true;
-    return false;
   }
   if (header.size < 0 || header.size > kMaxMessageBytes)
     return stop(fmt::format("message {} is larger than any packet", messages_ + 1));

@@ -16,7 +16,8 @@ namespace sslv {
 
 struct MatchLogIndex;
 
-/// Reads a log of the league, packed (.log.gz) or unpacked (.log), message by message.
+/// Reads a log of the league, packed (.log.gz) or unpacked (.log), message by message. Several logs in one
+/// file, as `cat` makes them, are read as one.
 class MatchLogReader {
  public:
   /// Throws StorageError, beginning with the path, if the file cannot be opened or is not such a log.
@@ -55,6 +56,7 @@ class MatchLogReader {
 
  private:
   bool read_header();
+  bool skip(std::uint64_t bytes);
   bool stop(const std::string& why);
 
   const std::string name_;

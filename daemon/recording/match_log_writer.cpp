@@ -212,13 +212,11 @@ class MessageEnds {
  private:
   void read_head() {
     head_bytes_ = 0;
-    if (std::exchange(is_first_, false)) {
-      is_good_ = head_ == log_header();
-      return;
-    }
+    const bool is_first = std::exchange(is_first_, false);
+    if (head_ == log_header()) return;  // also where another log follows
     const MessageHeader header = read_message_header(head_);
-    is_good_ = header.size >= 0 && header.size <= kMaxMessageBytes && header.type >= 0 &&
-               is_log_time(header.time_ns);
+    is_good_ = !is_first && header.size >= 0 && header.type >= 0 && is_log_time(header.time_ns) &&
+               (header.size <= kMaxMessageBytes || header.type == LoggedMessage::kIndex);
     left_ = is_good_ ? static_cast<std::size_t>(header.size) : 0;
   }
 
@@ -232,6 +230,7 @@ class MessageEnds {
 struct WholePart {
   std::uint64_t end = 0;  // file offset: everything before it is intact
   bool is_in_member = false;
+  bool has_flushes = false;         // as MatchLogWriter's logs have from their beginning
   std::uint32_t sum = 0, size = 0;  // CRC-32 and length of the unpacked bytes of an incomplete last member
 };
 
@@ -275,14 +274,14 @@ class BlockReader {
       if (result == Z_STREAM_END) {
         inflateReset(&zlib_);
         now = {};
-        if (ends.is_end()) whole = {.end = taken()};
+        if (ends.is_end()) whole = {.end = taken(), .has_flushes = whole.has_flushes};
         continue;
       }
       // A flush ends with an empty stored block, so that the next block is byte-aligned.
       constexpr int kAfterBlock = 128, kUnusedBits = 7;
       if ((zlib_.data_type & kAfterBlock) != 0 && (zlib_.data_type & kUnusedBits) == 0 && ends.is_end() &&
           is_flush())
-        whole = {.end = taken(), .is_in_member = true, .sum = now.sum, .size = now.size};
+        whole = {.end = taken(), .is_in_member = true, .has_flushes = true, .sum = now.sum, .size = now.size};
     }
     return whole;
   }
@@ -324,8 +323,8 @@ RepairedMatchLog repair_match_log(const fs::path& path, const std::stop_token& s
   if (!fs::is_regular_file(path)) throw StorageError(fmt::format("{}: is not a file", path.string()));
   const WholePart whole = BlockReader(path).read(stop);
   const std::uint64_t size = fs::file_size(path);
-  if (whole.end == 0) throw StorageError(fmt::format("{}: contains no intact messages", path.string()));
   if (whole.end == size && !whole.is_in_member) return {};
+  if (!whole.has_flushes) return {.was_whole = false, .is_other = true};
   OutputFile file(path, O_WRONLY | O_CLOEXEC);
   file.cut(whole.end);
   if (whole.is_in_member) {

@@ -46,12 +46,13 @@ class MatchLogWriter {
 
 struct RepairedMatchLog {
   bool was_whole = true;
+  bool is_other = false;            // incomplete, but not a MatchLogWriter's: left unchanged
   std::uint64_t removed_bytes = 0;  // from the file's end
 };
 
 /// Completes a packed log that a MatchLogWriter did not finish: keeps everything up to the last flush and
-/// removes the rest. Can be interrupted and called again. Throws StorageError if the file is not such a log,
-/// and on a stop request; both leave the log unchanged.
+/// removes the rest, which a power cut may have changed. Can be interrupted and called again. Throws
+/// StorageError on a stop request, which leaves the log unchanged.
 RepairedMatchLog repair_match_log(const std::filesystem::path& path, const std::stop_token& stop = {});
 
 }  // namespace sslv

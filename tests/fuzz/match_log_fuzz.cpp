@@ -80,7 +80,7 @@ void read_log() {
     if (reader.next(message)) expect(message.time_ns >= time_ns, "a message that came before");
   }
   try {
-    repair_match_log(log_name());
+    if (repair_match_log(log_name()).is_other) return;
     MatchLogReader repaired(log_name());
     count_messages(repaired);
     expect(repaired.problem().empty(), "repaired, and not whole");

@@ -51,13 +51,21 @@ void add_file_commands(CommandLine& line, CLI::App* group) {
   });
 
   auto* repair = group->add_subcommand(
-      "repair", "make a .log.gz whole that a daemon could not end; what is damaged at its end goes");
+      "repair", "make an unfinished or damaged log whole; of other programs' logs, the damaged file is kept");
   repair->add_option("log", o->log, "the log")->required();
   line.on(repair, [o] {
     const RepairedMatchLog done = repair_match_log(o->log);
-    std::cout << (done.was_whole
-                      ? std::string("is whole\n")
-                      : fmt::format("was repaired; {} bytes at its end made no sense\n", done.removed_bytes));
+    if (done.is_other) {
+      const auto rewritten = rewrite_match_log(o->log);
+      std::cout << (rewritten ? fmt::format("{}\n{} messages were kept; the damaged file is {}.damaged\n",
+                                            rewritten->problem, rewritten->messages, o->log.string())
+                              : std::string("is whole\n"));
+    } else if (done.was_whole) {
+      std::cout << "is whole\n";
+    } else {
+      std::cout << fmt::format("was repaired; {} bytes at its end were written incompletely and removed\n",
+                               done.removed_bytes);
+    }
     return EXIT_SUCCESS;
   });
 }

@@ -19,12 +19,12 @@ namespace sslv {
 
 /// Names of network cards with a problem; empty: no problem.
 struct CardsUsed {
-  std::string sender;        // the card that sends the packets, and its address: "eth0 (10.0.0.2)"
-  std::string others;        // if the settings choose no card: other cards with a link
-  std::string heard_on;      // a card with computers of the field, if none is heard on the sending card
-  std::string heard;         // one of these computers
-  std::string unused;        // a card with a link, although packets reach only this computer
-  std::string without_link;  // the card that sends the packets, if its cable is unplugged
+  std::string sender{};        // the card that sends the packets, and its address: "eth0 (10.0.0.2)"
+  std::string others{};        // if the settings choose no card: other cards with a link
+  std::string heard_on{};      // a card with computers of the field, if none is heard on the sending card
+  std::string heard{};         // one of these computers
+  std::string unused{};        // a card with a link, although packets reach only this computer
+  std::string without_link{};  // the card that sends the packets, if its cable is unplugged
 };
 
 /// Facts about the network, read once so that alerts, checks and figures agree.

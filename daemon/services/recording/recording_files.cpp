@@ -302,6 +302,7 @@ void RecordingFiles::look_at_log(const fs::path& path, Known& now, const std::st
   // and are not changed.
   if (const fs::path mark = unfinished_mark_of(path); fs::exists(mark)) {
     const RepairedMatchLog repaired = repair_match_log(path, stop);
+    if (repaired.is_other) throw StorageError(fmt::format("{}: contains no intact messages", path.string()));
     if (!repaired.was_whole) log::warning("{}: was not ended; the part on disk is kept", path.string());
     remove_file(mark);
   }

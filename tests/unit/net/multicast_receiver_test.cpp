@@ -54,7 +54,7 @@ class MulticastReceiverTest : public testing::TestWithParam<bool> {
 };
 
 INSTANTIATE_TEST_SUITE_P(, MulticastReceiverTest, testing::Bool(),
-                         [](const auto& info) { return info.param ? "Raw" : "Bound"; });
+                         [](const auto& test) { return test.param ? "Raw" : "Bound"; });
 
 class MulticastReceiverWithoutRights : public testing::Test {
  protected:
@@ -379,7 +379,7 @@ TEST(MulticastReceiver, LetsClientsBindThePortBeforeAndAfterIt) {
       receiver.listen(GroupAddress{GroupListener::kGroup, settings.port, "lo"});
       EXPECT_EQ(receiver.error(), "");
       EXPECT_EQ(receiver.broadcast_error(), "");
-      if (!client_is_first) ASSERT_NO_THROW(fd = open_client(client, settings.port));
+      if (fd < 0) fd = open_client(client, settings.port);
       MulticastSender sender(settings);
       send(sender, client.who);
       EXPECT_EQ(heard.next(), client.who);

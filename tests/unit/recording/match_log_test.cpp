@@ -3,6 +3,7 @@
 // Match logs: written, read, indexed, and repaired after a power cut.
 #include "base/error.h"
 #include "base/json.h"
+#include "recording/match_log_convert.h"
 #include "recording/match_log_index.h"
 #include "recording/match_log_reader.h"
 #include "recording/match_log_writer.h"
@@ -368,9 +369,69 @@ TEST_F(MatchLog, AWriterThatGoesAwayLeavesWhatItFlushed) {
 TEST_F(MatchLog, AFileOfThatNameStaysAsItIs) {
   write(file(), "of somebody else");
   EXPECT_THROW(MatchLogWriter{file()}, StorageError);
-  EXPECT_THROW(repair_match_log(file()), StorageError);
+  EXPECT_TRUE(repair_match_log(file()).is_other);
   EXPECT_EQ(contents(file()), "of somebody else");
   EXPECT_THROW(MatchLogWriter{folder_.path() / "no" / "folder.log.gz"}, StorageError);
+}
+
+/// Packs text as another program does: one gzip member without flushes.
+std::string packed(const std::string& text) {
+  const test::TemporaryFolder folder;
+  const std::string name = (folder.path() / "x.gz").string();
+  gzFile out = gzopen(name.c_str(), "wb");
+  gzwrite(out, text.data(), static_cast<unsigned>(text.size()));
+  gzclose(out);
+  return contents(name);
+}
+
+TEST_F(MatchLog, ACutLogOfAnotherProgramIsRewrittenWithAllItsMessages) {
+  const auto written = write_match(file("ours.log.gz"), 2'000);
+  convert_match_log(file("ours.log.gz"), file("plain.log"));
+  const std::string whole = packed(contents(file("plain.log")));
+  const std::string cut = whole.substr(0, whole.size() / 2);
+  write(file(), cut);
+  EXPECT_TRUE(repair_match_log(file()).is_other);
+  EXPECT_EQ(contents(file()), cut);
+  const std::size_t readable = read(file()).messages.size();
+  EXPECT_GT(readable, written.size() / 3);
+
+  const auto rewritten = rewrite_match_log(file());
+  ASSERT_TRUE(rewritten);
+  EXPECT_EQ(rewritten->messages, readable);
+  EXPECT_THAT(rewritten->problem, HasSubstr("is cut off"));
+  EXPECT_EQ(contents(file().string() + ".damaged"), cut);
+  const WasRead was_read = read(file());
+  EXPECT_EQ(was_read.problem, "");
+  ASSERT_EQ(was_read.messages.size(), readable);
+  expect_same(was_read.messages.back(), written[readable - 1]);
+  EXPECT_TRUE(read_match_log_index(file()));
+  EXPECT_FALSE(rewrite_match_log(file())) << "it is whole now";
+  write(file(), cut);
+  EXPECT_THROW(rewrite_match_log(file()), StorageError) << "the first damaged file is kept";
+}
+
+TEST_F(MatchLog, SeveralLogsInOneFileAreReadAsOne) {
+  const auto written = write_match(file("ours.log.gz"), 2'000);
+  convert_match_log(file("ours.log.gz"), file("plain.log"));
+  const std::string ours = contents(file("ours.log.gz")), plain = contents(file("plain.log"));
+  const auto expect_twice = [&](const fs::path& log) {
+    const WasRead was_read = read(log);
+    EXPECT_EQ(was_read.problem, "");
+    ASSERT_EQ(was_read.messages.size(), 2 * written.size());
+    expect_same(was_read.messages[written.size()], written[0]);
+    expect_same(was_read.messages.back(), written.back());
+  };
+  for (const std::string& text : {ours + ours, packed(plain) + packed(plain), packed(plain) + ours}) {
+    write(file(), text);
+    expect_twice(file());
+    EXPECT_TRUE(repair_match_log(file()).was_whole);
+    EXPECT_EQ(contents(file()), text);
+  }
+  write(file("twice.log"), plain + plain);
+  expect_twice(file("twice.log"));
+  write(file("twice.log"), plain + "rest");
+  EXPECT_EQ(read(file("twice.log")).messages.size(), written.size());
+  EXPECT_THAT(read(file("twice.log")).problem, HasSubstr("message 2001 is cut off"));
 }
 
 TEST_F(MatchLog, SaysWhatIsWrongInOneLine) {
