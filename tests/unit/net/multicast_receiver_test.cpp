@@ -54,7 +54,7 @@ class MulticastReceiverTest : public testing::TestWithParam<bool> {
 };
 
 INSTANTIATE_TEST_SUITE_P(, MulticastReceiverTest, testing::Bool(),
-                         [](const auto& test) { return test.param ? "Raw" : "Bound"; });
+                         [](const auto& parameter) { return parameter.param ? "Raw" : "Bound"; });
 
 class MulticastReceiverWithoutRights : public testing::Test {
  protected:
