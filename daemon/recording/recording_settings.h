@@ -4,6 +4,7 @@
 #include "base/params.h"
 
 #include <array>
+#include <optional>
 #include <tuple>
 
 namespace sslv {
@@ -12,7 +13,7 @@ namespace sslv {
 struct LastSecondsSettings {
   enum class Images { kWhole, kEveryNth };
 
-  int memory_mb = 512;
+  std::optional<int> memory_mb;
   Images images = Images::kWhole;
   int every_nth = 4;
 
@@ -23,7 +24,9 @@ struct LastSecondsSettings {
     using L = LastSecondsSettings;
     return std::tuple{
         number("memory_mb", &L::memory_mb, 0, 1'000'000, "MB",
-               "memory for the newest images of all cameras, from which clips are made; 0: none are kept"),
+               "memory for the newest images of all cameras, from which clips are made; null: enough for a "
+               "clip, if "
+               "the computer has it; 0: none are kept"),
         choice("images", &L::images,
                std::array{Choice<Images>{"whole", Images::kWhole},
                           Choice<Images>{"every_nth", Images::kEveryNth}},

@@ -78,7 +78,9 @@ void ClipService::work(const std::stop_token& stop) {
       write(*order, stop);
     } else if (steady_s() - shared_s >= kShareInterval_s) {
       shared_s = steady_s();
-      last_seconds_.look(config_.load()->recording.last_seconds, steady_s(), stop);
+      const RecordingSettings settings = config_.load()->recording;
+      last_seconds_.look(settings.last_seconds, settings.clips.seconds + settings.clips.seconds_after,
+                         steady_s(), stop);
     }
   }
 }
@@ -344,7 +346,7 @@ Response ClipService::make_clip(const Request& request) {
   const std::string name = body.contains("name") ? asked_name(body) : "by_hand";
   const LastSeconds::Status status = last_seconds_.status();
   if (status.bytes == 0) {
-    throw HttpError(409, status.wanted_bytes == 0
+    throw HttpError(409, status.is_off()
                              ? "no images are kept in memory: /recording/last_seconds/memory_mb is 0"
                              : "no images are in memory yet; try again in a few seconds");
   }
@@ -394,7 +396,7 @@ std::optional<SupportRecording> ClipService::support_clip(const std::string& nam
 void ClipService::report(HealthReport& report) const {
   const LastSeconds::Status status = last_seconds_.status();
   LastSecondsFacts facts{
-      .is_wanted = status.wanted_bytes > 0, .is_there = status.bytes > 0, .problem = status.problem};
+      .is_wanted = !status.is_off(), .is_there = status.bytes > 0, .problem = status.problem};
   double least_s = std::numeric_limits<double>::max();
   for (const LastSeconds::CameraStatus& camera : status.cameras) {
     if (camera.bytes > 0) least_s = std::min(least_s, camera.seconds);

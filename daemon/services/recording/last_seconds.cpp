@@ -28,6 +28,8 @@ constexpr int kUnevenAtMost = 5;
 /// Relative difference up to which rates count as equal and rings keep their size, because resizing a ring
 /// loses its images.
 constexpr double kMayDiffer = 0.3;
+/// Memory for a clip, relative to the measured data rates, which vary.
+constexpr double kMoreThanMeasured = 1.1;
 /// Usable fraction of the available memory; the rest is for the service and the computer.
 constexpr double kOfWhatIsLeft = 0.5;
 
@@ -89,14 +91,23 @@ void LastSeconds::measure(std::map<int, Known>& known, double now_s) {
     const double passed_s = now_s - one.seen_s;
     if (passed_s < kMeasured_s) continue;
     const RecordedCamera::Seen seen = one.camera->seen();
-    // A camera that stopped keeps its memory, because its last seconds show why it stopped. A rate therefore
-    // counts only if two successive intervals agree, which excludes intervals in which the camera started or
-    // stopped. A camera without a steady rate receives memory after kUnevenAtMost intervals.
+    // A camera that stopped or became slow keeps its memory, because its last seconds show why. Only a higher
+    // rate or another size of images counts, and only if two successive intervals agree, which excludes
+    // intervals in which the camera started or stopped. A camera without a steady rate receives memory after
+    // kUnevenAtMost intervals.
     if (seen.frames != one.seen.frames) {
       one.image_bytes = (seen.bytes - one.seen.bytes) / (seen.frames - one.seen.frames);
       const double rate = static_cast<double>(seen.bytes - one.seen.bytes) / passed_s;
       const bool is_even = std::abs(rate - one.last_bytes_per_s) <= kMayDiffer * rate;
-      if (is_even || (one.bytes_per_s <= 0 && ++one.uneven > kUnevenAtMost)) one.bytes_per_s = rate;
+      if (is_even || (one.bytes_per_s <= 0 && ++one.uneven > kUnevenAtMost)) {
+        const auto image_bytes = static_cast<double>(one.image_bytes);
+        const bool is_other_size =
+            std::abs(image_bytes - static_cast<double>(one.rated_bytes)) > kMayDiffer * image_bytes;
+        if (is_other_size || rate > one.bytes_per_s) {
+          one.bytes_per_s = rate;
+          one.rated_bytes = one.image_bytes;
+        }
+      }
       one.last_bytes_per_s = rate;
     }
     one.seen = seen;
@@ -110,26 +121,34 @@ void LastSeconds::publish(const std::map<int, Known>& known) {
   known_.swap(before);
 }
 
-void LastSeconds::look(const LastSecondsSettings& settings, double now_s, const std::stop_token& stop) {
+void LastSeconds::look(const LastSecondsSettings& settings, double clip_s, double now_s,
+                       const std::stop_token& stop) {
   std::map<int, Known> known = known_;  // no lock: only this thread changes known_
   measure(known, now_s);
   publish(known);
   if (now_s - changed_s_ < kMeasured_s) return;
   const bool changes = !same(settings_, settings);
   std::uint64_t ours = 0;
-  for (const auto& [id, one] : known) ours += one.ring ? one.ring->bytes() : 0;
-  const std::uint64_t wanted = static_cast<std::uint64_t>(settings.memory_mb) * kMb;
+  double all_per_s = 0;
+  for (const auto& [id, one] : known) {
+    ours += one.ring ? one.ring->bytes() : 0;
+    if (one.is_kept()) all_per_s += one.bytes_per_s / settings.kept_every();
+  }
+  const std::uint64_t wanted = settings.memory_mb
+                                   ? static_cast<std::uint64_t>(*settings.memory_mb) * kMb
+                                   : static_cast<std::uint64_t>(kMoreThanMeasured * all_per_s * clip_s);
   const auto may = static_cast<std::uint64_t>(
       kOfWhatIsLeft * (static_cast<double>(ours) + static_cast<double>(memory_left_bytes())));
   std::string problem;
-  if (wanted > may) {
+  if (settings.memory_mb && wanted > may) {
     problem = fmt::format(
         "only {} MB of memory are available for them, not the {} MB of /recording/last_seconds/memory_mb",
-        may / kMb, settings.memory_mb);
+        may / kMb, *settings.memory_mb);
   }
   {
     const std::lock_guard lock(mutex_);
     settings_ = settings;
+    wanted_bytes_ = wanted;
   }
   try {
     share_out(known, std::min(wanted, may), stop);
@@ -145,7 +164,7 @@ void LastSeconds::look(const LastSecondsSettings& settings, double now_s, const 
       one.camera->forget_before(one.ring ? extent.oldest_setup : std::numeric_limits<std::uint32_t>::max());
   }
   for (const auto& [id, one] : known) {
-    if (wanted > 0 && problem.empty() && !one.is_kept())
+    if (settings.memory_mb != 0 && problem.empty() && !one.is_kept())
       problem = fmt::format("the images of camera {} are larger than {} MiB, the most that a clip can hold",
                             id, kMaxClipImageBytes >> 20U);
   }
@@ -224,7 +243,7 @@ LastSeconds::Status LastSeconds::status() const {
   Status out;
   const std::lock_guard lock(mutex_);
   out.settings = settings_;
-  out.wanted_bytes = static_cast<std::uint64_t>(settings_.memory_mb) * kMb;
+  out.wanted_bytes = wanted_bytes_;
   out.problem = problem_;
   for (const auto& [id, known] : known_) {
     CameraStatus one{.id = id};

@@ -29,9 +29,11 @@ class LastSeconds {
   /// `cameras` must outlive this.
   explicit LastSeconds(Cameras& cameras) : cameras_(cameras) {}
 
-  /// Call it regularly, but not while a ring is read. Divides the memory again when cameras or settings have
-  /// changed; rings whose size changes lose their images. `now_s`: on the steady clock.
-  void look(const LastSecondsSettings& settings, double now_s = steady_s(), const std::stop_token& stop = {});
+  /// Call it regularly, but not while a ring is read. Divides the memory again when cameras, their highest
+  /// data rates or settings have changed; rings whose size changes lose their images. `clip_s`: seconds to
+  /// keep if the settings have no size. `now_s`: on the steady clock.
+  void look(const LastSecondsSettings& settings, double clip_s, double now_s = steady_s(),
+            const std::stop_token& stop = {});
 
   struct Ring {
     int camera_id = 0;
@@ -58,6 +60,7 @@ class LastSeconds {
   struct Status {
     std::uint64_t wanted_bytes = 0, bytes = 0;
     LastSecondsSettings settings;
+    bool is_off() const { return settings.memory_mb == 0; }
     std::vector<CameraStatus> cameras;
     std::string problem;  // why there is less memory than requested; empty: no problem
   };
@@ -68,7 +71,8 @@ class LastSeconds {
     RecordedCamera::Seen seen{};  // counts at seen_s
     double seen_s = 0;
     double last_bytes_per_s = 0;    // rate in the last interval with frames
-    double bytes_per_s = 0;         // accepted rate, by which the memory is divided
+    double bytes_per_s = 0;         // highest accepted rate, by which the memory is divided
+    std::uint64_t rated_bytes = 0;  // image_bytes at that rate
     int uneven = 0;                 // intervals without an accepted rate
     std::uint64_t image_bytes = 0;  // mean size of an image in the last interval with frames
     bool is_kept() const { return image_bytes <= kMaxClipImageBytes; }
@@ -85,6 +89,7 @@ class LastSeconds {
   mutable std::mutex mutex_;  // guards the members below, which only look() changes; held briefly
   std::map<int, Known> known_;
   LastSecondsSettings settings_;
+  std::uint64_t wanted_bytes_ = 0;
   std::string problem_;
 };
 

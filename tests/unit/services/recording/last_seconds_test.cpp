@@ -33,7 +33,7 @@ class LastSecondsTest : public testing::Test {
         cameras_.recorded_ones[id]->frame_ends(frame_, setup_);
       }
     }
-    last_seconds_.look(settings_, ++now_s_);
+    last_seconds_.look(settings_, 12, ++now_s_);
   }
   std::vector<double> memory_mb() const {
     std::vector<double> out;
@@ -60,6 +60,34 @@ TEST_F(LastSecondsTest, MemoryIsSharedByDataRate) {
   for (int i = 0; i < 5; ++i) second(30, 0);
   EXPECT_THAT(memory_mb(), testing::ElementsAre(testing::DoubleNear(12, 0.1), testing::DoubleNear(4, 0.1)))
       << "the last seconds of one that stopped tell why";
+}
+
+TEST_F(LastSecondsTest, ASlowerCameraLosesNothing) {
+  for (int i = 0; i < 5; ++i) second(30, 30);
+  const auto frames = [&](std::size_t camera) { return last_seconds_.status().cameras[camera].frames; };
+  const auto before = memory_mb();
+  std::uint64_t kept = frames(1);
+  for (int i = 0; i < 5; ++i) {
+    second(12, 30);
+    EXPECT_GE(frames(1), kept);
+    kept = frames(1);
+  }
+  EXPECT_EQ(memory_mb(), before);
+  EXPECT_GT(frames(0), 5U * 12);
+}
+
+TEST_F(LastSecondsTest, WithoutASizeAClipIsKept) {
+  settings_.memory_mb.reset();
+  for (int i = 0; i < 5; ++i) second(30, 10);
+  constexpr double kImage_mb = 320 * 240e-6, kClip_s = 12;
+  EXPECT_THAT(memory_mb(), testing::ElementsAre(testing::DoubleNear(kClip_s * 30 * kImage_mb, 5),
+                                                testing::DoubleNear(kClip_s * 10 * kImage_mb, 2)));
+  for (int i = 0; i < 12; ++i) second(30, 10);
+  EXPECT_GE(last_seconds_.status().cameras[0].frames, kClip_s * 30);
+  EXPECT_GE(last_seconds_.status().cameras[1].frames, kClip_s * 10);
+  settings_.memory_mb = 0;
+  second(30, 10);
+  EXPECT_THAT(memory_mb(), testing::ElementsAre(0, 0));
 }
 
 TEST_F(LastSecondsTest, ACameraWithAnUnsteadyRateGetsMemory) {
