@@ -70,10 +70,14 @@ describe('the player', () => {
       const most = Number(/([\d.]+) s of/.exec(now)[1]), said = Number(/Keep the last (\d+) s/.exec(keep)[1]);
       assert.ok(said >= 2 && said <= Math.min(10, most + 0.5), `${said} of ${most} s`);
       await accessibleInThemes(page, `no clips, ${view}`);
+      await page.fill(byId('clip-name'), 'a/b');
+      await page.waitForSelector(`${byId('keep')}:disabled`);
+      await page.fill(byId('clip-name'), 'Late goal');
       await press(page, byId('keep'));
       await page.waitForSelector(byId('kept'));
       const { clips: [clip] } = await becomes(clips, ({ clips: [first] }) => first && first.begin_s !== null);
       await page.waitForSelector(`${row(clip.name)}:has-text("2 cameras")`);
+      await page.waitForSelector(`${row(clip.name)}:has-text("Late goal")`);
       await layoutIsSound(page);
       const pin = `${row(clip.name)} ${byId('pin')}`;
       await press(page, pin);

@@ -8,6 +8,7 @@
 #include "clips/clip_reader.h"
 #include "health/metrics_text.h"
 #include "recording/match_events.h"
+#include "services/recording/match_rule.h"
 #include "services/recording/recording_report.h"
 #include "services/recording/recording_request.h"
 
@@ -329,6 +330,13 @@ Json ClipService::to_json() const {
           {"clips", std::move(clips)}};
 }
 
+/// The text of the newest event of the last `seconds`; empty if there was none.
+std::string ClipService::last_event(double seconds) const {
+  const std::lock_guard lock(mutex_);
+  const bool is_there = !recent_.empty() && recent_.back().time_s >= unix_time_s() - seconds;
+  return is_there ? recent_.back().text : std::string();
+}
+
 Response ClipService::make_clip(const Request& request) {
   const Json body = request.body.empty() ? Json::object() : body_json(request);
   check_keys(body, {"seconds", "seconds_after", "name"});
@@ -343,7 +351,11 @@ Response ClipService::make_clip(const Request& request) {
     return body[key].get<double>();
   };
   const double before_s = number("seconds", 0.5, settings.seconds), after_s = number("seconds_after", 0, 0);
-  const std::string name = body.contains("name") ? asked_name(body) : "by_hand";
+  // Without a name, the last event in this time gives one.
+  const std::string event = last_event(before_s);
+  const std::string name = body.contains("name") ? asked_name(body)
+                           : event.empty()       ? "by_hand"
+                                                 : file_name_part(event);
   const LastSeconds::Status status = last_seconds_.status();
   if (status.bytes == 0) {
     throw HttpError(409, status.is_off()
@@ -353,7 +365,7 @@ Response ClipService::make_clip(const Request& request) {
   const double now_s = steady_s();
   if (!put({.name = name,
             .kind = std::string(kKeptClip),
-            .why = "kept by hand",
+            .why = event.empty() ? "kept by hand" : "kept by hand after: " + event,
             .who = request.address,
             .begin_s = now_s - before_s,
             .end_s = now_s + after_s}))

@@ -55,6 +55,7 @@ class ClipService final : public Service {
   void order_for_event(bool is_wanted, const std::string& kind, const std::string& text);
   void note_event(const std::string& kind, const std::string& text);
   void write(const ClipOrder& order, const std::stop_token& stop);
+  std::string last_event(double seconds) const;
   std::vector<ClipEvent> happened_in(const ClipOrder& order) const;
 
   Json to_json() const;
