@@ -21,6 +21,7 @@ namespace {
 const char* name_of(CheckState state) {
   switch (state) {
     case CheckState::kPass: return "pass";
+    case CheckState::kUnknown: return "unknown";
     case CheckState::kWarn: return "warn";
     case CheckState::kFail: break;
   }

@@ -27,7 +27,8 @@ struct Alert {
   double since_s = 0;           // Unix time; see AlertTimes
 };
 
-enum class CheckState { kPass, kWarn, kFail };
+/// kUnknown: nothing was measured yet, or there is nothing to measure. Does not prevent a match.
+enum class CheckState { kPass, kUnknown, kWarn, kFail };
 
 /// A condition to be met before a match.
 struct Check {

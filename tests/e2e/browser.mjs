@@ -128,7 +128,7 @@ export const launch = ({ webgl = false } = {}) => chromium.launch({
  * these would cause NO-GO, and their alerts would displace what is tested.
  */
 function leaveOutThisComputer() {
-  const SLOW = ['camera_slow', 'frames_dropped', 'stage_slow'];
+  const SLOW = ['camera_slow', 'frames_dropped', 'latency_high', 'stage_slow'];
   function leaveOut(text) {
     const message = JSON.parse(text);
     if (message.topic !== 'status') return text;

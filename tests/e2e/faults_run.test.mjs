@@ -175,7 +175,7 @@ describe('a clock that is set', { skip: existsSync(CLOCK) ? false : `${CLOCK} is
         for (const { id, since: since_s } of status.alerts) {
           // Alerts that do not depend on the clock: this computer's, and cameras that all see one half. For ten seconds
           // the field also reports wrong times, because of the frames that were in progress during the change.
-          assert.ok(['frames_dropped', 'stage_slow', 'camera_slow', 'only_this_computer', 'field_uncovered', 'camera_off_time'].includes(id), id);
+          assert.ok(['frames_dropped', 'latency_high', 'stage_slow', 'camera_slow', 'only_this_computer', 'field_uncovered', 'camera_off_time'].includes(id), id);
           assert.ok(since_s <= status.time && since_s > status.time - HALF_AN_HOUR_S, `${id} since ${since_s}, now ${status.time}`);
         }
         for (const { id, state, reconnects, frames_dropped: dropped } of status.cameras) {

@@ -44,7 +44,7 @@ export async function eventually(check) {
 }
 
 /** Checks and alerts that depend only on the load of this computer. */
-export const OF_THE_COMPUTER = { checks: ['pictures', 'latency', 'computer'], alerts: ['camera_slow', 'frames_dropped', 'stage_slow'] };
+export const OF_THE_COMPUTER = { checks: ['pictures', 'latency', 'computer'], alerts: ['camera_slow', 'frames_dropped', 'latency_high', 'stage_slow'] };
 
 /** The parts of a status that waits depend on. */
 const tellStatus = ({ cameras, alerts, ...others }) => JSON.stringify({

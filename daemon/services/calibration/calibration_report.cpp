@@ -47,7 +47,8 @@ void report_calibrations(std::span<const CalibrationFacts> cameras, HealthReport
   const auto count = std::count_if(cameras.begin(), cameras.end(), [](const CalibrationFacts& camera) {
     return camera.calibration.has_value();
   });
-  report.checks.push_back({"calibration", "Calibration", CheckState::kPass, std::to_string(count),
+  report.checks.push_back({"calibration", "Calibration",
+                           cameras.empty() ? CheckState::kUnknown : CheckState::kPass, std::to_string(count),
                            fmt::format("of {}", cameras.size()),
                            cameras.empty() ? "there is no camera" : "all calibrated"});
 }

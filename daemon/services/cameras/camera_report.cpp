@@ -254,6 +254,8 @@ std::size_t running(std::span<const CameraFacts> cameras) {
   return static_cast<std::size_t>(std::count_if(cameras.begin(), cameras.end(), is_running));
 }
 
+constexpr const char* kNoneRuns = "no camera is running";
+
 Check check_cameras(std::span<const CameraFacts> cameras) {
   const std::size_t count = running(cameras);
   Check check{"cameras",
@@ -295,13 +297,12 @@ Check check_pictures(std::span<const CameraFacts> cameras) {
                          ? "none lost in 60 s"
                          : fmt::format("{} dropped, {} damaged in 60 s", sum.dropped, sum.incomplete);
   if (clipped >= 0.001) text += fmt::format(", {:.1f} % over-exposed", 100 * clipped);
-  return {"pictures",   "Images", CheckState::kPass, slowest ? fmt::format("{:.1f}", *slowest) : kNoFigure,
-          "per second", text};
+  if (!slowest) return {"pictures", "Images", CheckState::kUnknown, kNoFigure, "", kNoneRuns};
+  return {"pictures", "Images", CheckState::kPass, fmt::format("{:.1f}", *slowest), "per second", text};
 }
 
-Check check_latency(std::span<const CameraFacts> cameras) {
-  Check check{"latency", "Latency", CheckState::kPass, kNoFigure, "ms", "no camera is running"};
-  if (running(cameras) == 0) return check;
+void report_latency(std::span<const CameraFacts> cameras, HealthReport& report) {
+  Check check{"latency", "Latency", CheckState::kUnknown, kNoFigure, "", kNoneRuns};
   constexpr std::uint64_t kMinImages = 100;
   double worst_ms = 0;
   bool is_known = false;
@@ -315,18 +316,30 @@ Check check_latency(std::span<const CameraFacts> cameras) {
     }
   }
   if (!is_known) {
-    check.text = fmt::format("known after {} images", kMinImages);
-    return check;
+    if (running(cameras) != 0) check.text = fmt::format("known after {} images", kMinImages);
+    report.checks.push_back(std::move(check));
+    return;
   }
+  check.state = CheckState::kPass;
   check.value = fmt::format("{:.2f}", worst_ms);
+  check.unit = "ms";
   check.text = fmt::format("p99, limit {:g} ms", kLateAfter_ms);
-  if (worst_ms > kLateAfter_ms) {
-    check.state = worst_ms > kTooLateAfter_ms ? CheckState::kFail : CheckState::kWarn;
-    check.text += slowest ? fmt::format(": {} takes {:.1f} ms", stage_text(slowest->name, slowest->library),
-                                        slowest->mean_ms)
-                          : ": close other programs on this computer";
-  }
-  return check;
+  report.checks.push_back(std::move(check));
+  // Where images are lost, the alert about them names the cause.
+  const bool are_lost = std::ranges::any_of(report.alerts, [](const Alert& alert) {
+    return alert.id == "frames_dropped" || alert.id == "stage_slow";
+  });
+  if (worst_ms <= kLateAfter_ms || (are_lost && worst_ms <= kTooLateAfter_ms)) return;
+  report.alerts.push_back(
+      {.id = "latency_high",
+       .check = "latency",
+       .severity = worst_ms > kTooLateAfter_ms ? Severity::kBad : Severity::kWarn,
+       .title = fmt::format("Detections leave late: one image in 100 takes more than {:g} ms",
+                            worst_ms > kTooLateAfter_ms ? kTooLateAfter_ms : kLateAfter_ms),
+       .fix = slowest ? fmt::format("Reduce the work of {}, which takes {:.1f} ms an image.",
+                                    stage_text(slowest->name, slowest->library), slowest->mean_ms)
+                      : "Close other programs on this computer, or lower the cameras' rates.",
+       .page = "#/diagnostics"});
 }
 
 }  // namespace
@@ -350,8 +363,8 @@ void report_cameras(std::span<const CameraFacts> cameras, HealthReport& report) 
   for (const CameraFacts& camera : cameras) add_source_alerts(report.alerts, camera);
   for (const CameraFacts& camera : cameras) add_picture_alerts(report.alerts, camera);
   for (const CameraFacts& camera : cameras) report_stages(stack_facts(camera), report);
-  for (const auto check : {check_cameras, check_pictures, check_latency})
-    report.checks.push_back(check(cameras));
+  for (const auto check : {check_cameras, check_pictures}) report.checks.push_back(check(cameras));
+  report_latency(cameras, report);
 }
 
 void report_left_out(std::span<const LeftOutLibrary> libraries, HealthReport& report) {

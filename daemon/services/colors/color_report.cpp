@@ -63,9 +63,10 @@ Check check_colors(std::span<const ColorFacts> cameras) {
   for (const ColorFacts& camera : cameras) {
     if (camera.min_margin && (!least || camera.min_margin->share < least->share)) least = &*camera.min_margin;
   }
-  Check check{"colors",  "Colours", CheckState::kPass,
+  Check check{"colors",  "Colours", CheckState::kUnknown,
               kNoFigure, "",        "margins to the carpet are not known yet"};
   if (!least) return check;
+  check.state = CheckState::kPass;
   const bool is_limited = least->share < ColorFacts::Margin::kMax;
   check.value = fmt::format("{}{:.0f}", is_limited ? "" : "> ", 100 * least->share);
   check.unit = "% margin";

@@ -93,6 +93,7 @@ void report_last_seconds(const LastSecondsFacts& facts, HealthReport& report) {
   if (!facts.is_wanted) {
     check.text = "off: no images are kept in memory";
   } else if (!facts.is_there) {
+    check.state = CheckState::kUnknown;
     check.text = "no images are in memory yet";
   } else {
     check.value = fmt::format("{:.1f}", facts.seconds);

@@ -306,9 +306,11 @@ Check check_agreement(const VerdictFacts& facts) {
     lines_mm = std::max(lines_mm.value_or(0), lines.verdict.worst_mm);
   for (const Overlap& overlap : facts.seen.field.overlaps)
     cameras_mm = std::max(cameras_mm.value_or(0), overlap.apart_mm);
-  Check check{"agreement", "Agreement", CheckState::kPass,
-              kNoFigure,   "mm",        "no line can be seen well enough"};
+  Check check{"agreement", "Agreement", CheckState::kUnknown,
+              kNoFigure,   "",          "no line can be seen well enough"};
   if (!lines_mm && !cameras_mm) return check;
+  check.state = CheckState::kPass;
+  check.unit = "mm";
   check.value = fmt::format("{:.0f}", std::max(lines_mm.value_or(0), cameras_mm.value_or(0)));
   std::vector<std::string> parts;
   if (lines_mm) parts.push_back(fmt::format("lines {:.0f} mm", *lines_mm));
@@ -318,9 +320,10 @@ Check check_agreement(const VerdictFacts& facts) {
 }
 
 Check check_coverage(const VerdictFacts& facts) {
-  Check check{"coverage", "Coverage", CheckState::kPass,
+  Check check{"coverage", "Coverage", CheckState::kUnknown,
               kNoFigure,  "",         "known once all cameras are calibrated"};
   if (!facts.coverage.is_known) return check;
+  check.state = CheckState::kPass;
   const auto uncovered = static_cast<double>(facts.coverage.uncovered_mm.size());
   check.value = fmt::format("{:.0f}", 100 * (1 - uncovered / std::max(1, facts.coverage.places)));
   check.unit = "% of the field";

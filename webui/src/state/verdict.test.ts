@@ -10,6 +10,7 @@ describe('verdictText', () => {
   it('counts what fails first', () => {
     expect(verdictText(checks('pass', 'pass'))).toBe('2 of 2 pass');
     expect(verdictText(checks('pass', 'warn'))).toBe('1 of 2 pass, 1 warning');
+    expect(verdictText(checks('pass', 'unknown', 'warn'))).toBe('1 of 3 pass, 1 warning, 1 not known yet');
     expect(verdictText(checks('fail', 'warn', 'warn'))).toBe('1 of 3 failed, 2 warnings');
   });
 });

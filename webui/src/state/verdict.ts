@@ -3,12 +3,12 @@
 import type { CameraStatus, Check } from '../api/types';
 import { plural } from '../format';
 
-/** "1 of 10 failed, 2 warnings" or "9 of 10 pass, 1 warning". */
+/** "1 of 10 failed, 2 warnings" or "8 of 10 pass, 1 warning, 1 not known yet". */
 export function verdictText(checks: readonly Check[]): string {
   const count = (state: Check['state']) => checks.filter((check) => check.state === state).length;
-  const [failed, warned] = [count('fail'), count('warn')];
+  const [failed, warned, unknown] = [count('fail'), count('warn'), count('unknown')];
   const first = failed ? `${failed} of ${checks.length} failed` : `${count('pass')} of ${checks.length} pass`;
-  return warned ? `${first}, ${plural(warned, 'warning')}` : first;
+  return [first, warned && plural(warned, 'warning'), unknown && `${unknown} not known yet`].filter(Boolean).join(', ');
 }
 
 /** The origin of images that are not from a camera over the field; empty for a camera. */
