@@ -38,6 +38,13 @@ void HealthReport::add_as_one(std::vector<Alert> same_kind) {
   alerts.push_back(std::move(first));
 }
 
+const Alert* HealthReport::line_alert(int camera) const {
+  const auto found = std::ranges::find_if(alerts, [&](const Alert& alert) {
+    return alert.camera == camera && (alert.id == "lines_off" || alert.id == "lines_missing");
+  });
+  return found == alerts.end() ? nullptr : &*found;
+}
+
 void HealthReport::finish() {
   std::stable_sort(alerts.begin(), alerts.end(),
                    [](const Alert& a, const Alert& b) { return a.severity < b.severity; });

@@ -53,6 +53,10 @@ struct HealthReport {
   /// senders on the network can cause in any number.
   void add_as_one(std::vector<Alert> same_kind);
 
+  /// The alert so far that shows a moved camera by its own lines; null: none. Other alerts about such a
+  /// camera would tell the same event twice.
+  const Alert* line_alert(int camera) const;
+
   /// Sorts the alerts, the worst first. Each check's state becomes at least as bad as its worst alert, whose
   /// title replaces the check's text. Alerts of kInfo do not change checks.
   void finish();

@@ -24,14 +24,17 @@ std::string before_text(const FieldFacts& facts, const CameraPairNow& pair) {
 void report_drift(const FieldFacts& facts, HealthReport& report) {
   for (const CameraPairNow& pair : pairs_of(facts.agreement)) {
     if (pair.off_mm <= kDriftMm || pair.off_mm > kDisagreeMm) continue;
+    if (report.line_alert(pair.camera) || report.line_alert(pair.other)) continue;
     report.alerts.push_back(
         {.id = "camera_drifted",
          .check = "agreement",
          .severity = Severity::kWarn,
          .title = fmt::format("Camera {} differs from camera {} by {:.0f} mm, most at ({:.0f}, {:.0f}) mm",
                               pair.camera, pair.other, pair.off_mm, pair.worst_mm.x(), pair.worst_mm.y()),
-         .fix = fmt::format("Was one of them bumped?{} Calibrate it again, or both of them together.",
-                            before_text(facts, pair)),
+         .fix = fmt::format(
+             "Was one of them bumped, or is a team's robot height wrong?{} Calibrate it again, or both of "
+             "them together.",
+             before_text(facts, pair)),
          .page = "#/calibration",
          .camera = pair.camera,
          .about = fmt::format("{} {}", pair.camera, pair.other)});

@@ -4,6 +4,9 @@
 #include "vision/mask.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
 
 namespace sslv {
 namespace {
@@ -29,6 +32,38 @@ bool is_blind(const CameraNow& camera, int width_px, int height_px) {
 }
 
 }  // namespace
+
+Eigen::Vector2d middle_of_largest(const std::vector<Eigen::Vector2d>& places_mm) {
+  using Cell = std::pair<int, int>;
+  std::map<Cell, Eigen::Vector2d> left;
+  for (const Eigen::Vector2d& place : places_mm) {
+    left.emplace(Cell{static_cast<int>(std::floor(place.x() / Coverage::kGridMm)),
+                      static_cast<int>(std::floor(place.y() / Coverage::kGridMm))},
+                 place);
+  }
+  std::vector<Eigen::Vector2d> largest;
+  while (!left.empty()) {
+    std::vector<Eigen::Vector2d> group;
+    std::vector<Cell> next{left.begin()->first};
+    while (!next.empty()) {
+      const Cell cell = next.back();
+      next.pop_back();
+      const auto found = left.find(cell);
+      if (found == left.end()) continue;
+      group.push_back(found->second);
+      left.erase(found);
+      for (const int step : {-1, 1}) {
+        next.emplace_back(cell.first + step, cell.second);
+        next.emplace_back(cell.first, cell.second + step);
+      }
+    }
+    if (group.size() > largest.size()) largest = std::move(group);
+  }
+  Eigen::Vector2d sum(0, 0);
+  for (const Eigen::Vector2d& place : largest) sum += place;
+  const Eigen::Vector2d middle = sum / static_cast<double>(largest.size());
+  return *std::ranges::min_element(largest, {}, [&](const auto& place) { return (place - middle).norm(); });
+}
 
 Coverage coverage_of(std::span<const CameraNow> cameras, const FieldSize& field) {
   Coverage out;

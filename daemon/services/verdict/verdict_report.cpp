@@ -237,13 +237,20 @@ void report_lines(const VerdictFacts& facts, HealthReport& report) {
 void report_overlaps(const VerdictFacts& facts, HealthReport& report) {
   for (const Overlap& overlap : facts.seen.field.overlaps) {
     if (overlap.apart_mm <= kWarnMm) continue;
+    const Severity severity = overlap.apart_mm > kBadMm ? Severity::kBad : Severity::kWarn;
+    const Alert* moved = nullptr;
+    for (const int camera : overlap.cameras) {
+      const Alert* alert = report.line_alert(camera);
+      if (alert && (!moved || alert->severity < moved->severity)) moved = alert;
+    }
+    if (moved && moved->severity <= severity) continue;
     add(report, {.id = "cameras_disagree",
                  .check = "agreement",
-                 .severity = overlap.apart_mm > kBadMm ? Severity::kBad : Severity::kWarn,
+                 .severity = severity,
                  .title = fmt::format("Cameras {} and {} see the same robots {:.0f} mm apart",
                                       overlap.cameras[0], overlap.cameras[1], overlap.apart_mm),
                  .fix = "Check the teams' robot heights, then calibrate these cameras together.",
-                 .page = "#/calibration",
+                 .page = moved ? moved->page : "#/calibration",
                  .about = fmt::format("{} {}", overlap.cameras[0], overlap.cameras[1])});
   }
 }
@@ -263,13 +270,11 @@ void report_coverage(const VerdictFacts& facts, HealthReport& report) {
   const double share =
       facts.coverage.places == 0 ? 0 : static_cast<double>(uncovered.size()) / facts.coverage.places;
   if (share <= kUncoveredShare) return;
-  Eigen::Vector2d sum(0, 0);
-  for (const Eigen::Vector2d& place : uncovered) sum += place;
   add(report, {.id = "field_uncovered",
                .check = "coverage",
                .severity = share > kUncoveredBadShare ? Severity::kBad : Severity::kWarn,
                .title = fmt::format("{:.0f} % of the field, around {}, is seen by no camera", 100 * share,
-                                    place_text(sum / static_cast<double>(uncovered.size()))),
+                                    place_text(middle_of_largest(uncovered))),
                .fix = "Turn the cameras, use wider lenses, or remove masks that cover the field.",
                .page = "#/field"});
 }

@@ -112,7 +112,9 @@ TEST(CameraPairs, NameTheOutlierFirst) {
   ASSERT_EQ(report.alerts.size(), 2U) << "a millimetre is none";
   EXPECT_THAT(report.alerts[0].title,
               testing::StartsWith("Camera 2 differs from camera 0 by 7 mm, most at (1750, 250) mm"));
-  EXPECT_EQ(report.alerts[0].fix, "Was one of them bumped? Calibrate it again, or both of them together.");
+  EXPECT_EQ(report.alerts[0].fix,
+            "Was one of them bumped, or is a team's robot height wrong? Calibrate it again, or both of them "
+            "together.");
 
   AgreementHistory history;
   history.add({{.camera = 0, .other = 2, .off_mm = 1.1, .parts = 4, .worst_mm = {0, 0}}}, 1000);
@@ -121,7 +123,8 @@ TEST(CameraPairs, NameTheOutlierFirst) {
   report = {};
   report_field(facts, report);
   EXPECT_EQ(report.alerts.at(0).fix,
-            "Was one of them bumped? Before, it was 1.1 mm. Calibrate it again, or both of them together.");
+            "Was one of them bumped, or is a team's robot height wrong? Before, it was 1.1 mm. Calibrate it "
+            "again, or both of them together.");
 }
 
 }  // namespace

@@ -239,7 +239,7 @@ TEST_F(Alerts, AreOfTheKindsThatTheInterfaceNames) {
   input_.cards = {.sender = "eth1 (10.0.0.2)", .others = "eth0", .unused = "eth0", .without_link = "eth1"};
   input_.seen.field.lost = {{Team::kYellow, 7, 3, {0, 0}}};
   input_.seen.field.doubles = {{Team::kYellow, 8, {0, 1}, {Eigen::Vector2d(0, 0), Eigen::Vector2d(900, 0)}}};
-  input_.seen.field.overlaps[0].apart_mm = 40;
+  input_.seen.field.overlaps.push_back({{5, 6}, 40, 50});
   input_.seen.lines[0].verdict.worst_mm = 40;
   input_.seen.lines[1].verdict.missing_share = 0.8;
   input_.seen.lines[1].better_size = &field_presets().front();
@@ -748,6 +748,18 @@ TEST_F(Checks, LinesThatSuitTheOtherDivisionAreNoGo) {
   EXPECT_EQ(only_alert().title,
             "Camera 1: the painted lines match Division A, 2026 (12 x 9 m), not the field's sizes (9 x 6 m)");
   EXPECT_FALSE(is_go());
+}
+
+TEST_F(Alerts, TellAMovedCameraOnce) {
+  input_.seen.lines[1].verdict.worst_mm = 40;
+  input_.seen.field.overlaps[0].apart_mm = 38;
+  EXPECT_EQ(only_alert().id, "lines_off");
+  EXPECT_EQ(only_alert().page, "#/calibration/1");
+  input_.seen.field.overlaps[0].apart_mm = 70;
+  EXPECT_THAT(kinds(), ElementsAre("cameras_disagree", "lines_off")) << "it is worse than its lines say";
+  EXPECT_EQ(alerts()[0].page, "#/calibration/1") << "the camera that moved";
+  input_.seen.lines[1].verdict.worst_mm = 1;
+  EXPECT_EQ(only_alert().page, "#/calibration");
 }
 
 TEST_F(Checks, OfLatencyWaitForEnoughImages) {

@@ -7,6 +7,7 @@
 #include "vision/mask.h"
 
 #include <atomic>
+#include <cmath>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
@@ -78,6 +79,17 @@ HealthReport report_of(const VerdictService& service) {
   HealthReport report;
   service.report(report);
   return report;
+}
+
+TEST(Coverage, TheMiddleOfUncoveredPlacesIsOneOfThem) {
+  std::vector<Eigen::Vector2d> ends;  // both ends of the field, and a larger part of one side
+  for (const double y : {-375.0, -125.0, 125.0, 375.0}) {
+    for (const double x : {-4375.0, 4375.0, 4125.0}) ends.emplace_back(x, y);
+  }
+  const Eigen::Vector2d middle = middle_of_largest(ends);
+  EXPECT_GT(middle.x(), 4000);
+  EXPECT_LT(std::abs(middle.y()), 200);
+  EXPECT_EQ(middle_of_largest({{125, 125}}), Eigen::Vector2d(125, 125));
 }
 
 TEST(VerdictService, AMaskThatHidesSmallerImagesIsReported) {
