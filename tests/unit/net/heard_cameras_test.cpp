@@ -138,17 +138,17 @@ TEST_F(Heard, ACameraOfANamedComputerWithoutCalibrationIsReported) {
     for (int second = from_s; second < to_s; ++second) hear(detection(4), address, second);
   };
   hear_for_seconds("named", 0, 5);
-  hear_for_seconds("stranger", 0, 20);
   EXPECT_THAT(cameras_.uncalibrated(4), IsEmpty()) << "its geometry may still come";
   hear_for_seconds("named", 5, 10);
+  hear(detection(4), "stranger", 9);
   EXPECT_THAT(cameras_.uncalibrated(9), ElementsAre(HeardCameras::Uncalibrated{4, "named"}));
   EXPECT_THAT(cameras_.uncalibrated(20), IsEmpty()) << "it is silent";
   hear(geometry(4), "named", 10);
   hear(detection(4), "named", 10);
   EXPECT_THAT(cameras_.uncalibrated(10), IsEmpty());
   cameras_.set_own({4});
-  hear_for_seconds("named b", 0, 10);
-  EXPECT_THAT(cameras_.uncalibrated(9), IsEmpty()) << "another alert names the id";
+  hear_for_seconds("named b", 10, 20);
+  EXPECT_THAT(cameras_.uncalibrated(19), IsEmpty()) << "another alert names the id";
 }
 
 TEST_F(Heard, ConflictsAreLimitedAndExpire) {
