@@ -28,15 +28,15 @@ std::string system_text(const Json& system) {
   out += fmt::format("load      {:.2f} {:.2f} {:.2f}; cores busy, %:{}\n", load.at(0).get<double>(),
                      load.at(1).get<double>(), load.at(2).get<double>(), cores);
   out +=
-      fmt::format("memory    {:.1f} of {:.1f} GiB available\n",
-                  gib(system.at("memory").at("available_bytes")), gib(system.at("memory").at("total_bytes")));
+      fmt::format("memory    {:.1f} of {:.1f} GB available\n", gb(system.at("memory").at("available_bytes")),
+                  gb(system.at("memory").at("total_bytes")));
   if (disk.is_object()) {
-    out += fmt::format("disk      {:.1f} of {:.1f} GiB free at {}\n", gib(disk.at("free_bytes")),
-                       gib(disk.at("total_bytes")), disk.at("folder").get<std::string>());
+    out += fmt::format("disk      {:.1f} of {:.1f} GB free at {}\n", gb(disk.at("free_bytes")),
+                       gb(disk.at("total_bytes")), disk.at("folder").get<std::string>());
   }
   if (temperature.is_number()) out += fmt::format("hottest   {:.0f} C\n", temperature.get<double>());
-  return out + fmt::format("service   {:.0f} % of a core, {:.0f} MiB, {} threads, {} descriptors\n",
-                           process.at("cpu_percent").get<double>(), gib(process.at("rss_bytes")) * 1024,
+  return out + fmt::format("service   {:.0f} % of a core, {:.0f} MB, {} threads, {} descriptors\n",
+                           process.at("cpu_percent").get<double>(), gb(process.at("rss_bytes")) * 1000,
                            process.at("threads").get<int>(), process.at("descriptors").get<int>());
 }
 

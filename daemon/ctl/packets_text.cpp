@@ -101,7 +101,7 @@ std::string arrivals_text(const Json& arrivals) {
 }
 
 std::string listeners_text(const Json& listeners) {
-  std::string out = "programs on the daemon's computer that packets are given to:\n";
+  std::string out = "programs on the service's computer that packets are given to:\n";
   for (const Json& program : listeners.at("programs")) {
     out += fmt::format("  a socket of user {}, bound to {}:{}\n", program.at("user").get<std::string>(),
                        program.at("address").get<std::string>(), listeners.at("port").get<int>());

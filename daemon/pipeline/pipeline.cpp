@@ -36,7 +36,9 @@ const BasicStageType<Floor>& find_stage(std::span<const BasicStageType<Floor>> t
   if (found != table.end()) return *found;
   std::string known;
   for (const auto& type : table) known += (known.empty() ? "" : ", ") + std::string(type.name);
-  throw SettingsError(fmt::format("{}: unknown stage '{}'; known: {}", path, shortened(name), known));
+  throw SettingsError(fmt::format(
+      "{}: unknown stage '{}'; known: {}. A stage of your own needs its library (--stages FOLDER)", path,
+      shortened(name), known));
 }
 
 /// Replaces a library's stage that could not be made, so that the rest of the stack runs.

@@ -58,7 +58,7 @@ void add_backup(CommandLine& line) {
   const auto o = std::make_shared<Options>();
   CLI::App* command = line.app.add_subcommand(
       "backup",
-      "everything the daemon keeps, in one file: settings and their history, colour tables, profiles, "
+      "everything the service keeps, in one file: settings and their history, colour tables, profiles, "
       "calibrations");
   command->add_option("file", o->file, "file to write; -: standard output")->required();
   command->add_flag("--with-passwords", o->with_passwords,
@@ -87,7 +87,7 @@ void add_restore(CommandLine& line) {
   const auto o = std::make_shared<Options>();
   CLI::App* command = line.app.add_subcommand(
       "restore",
-      "restore everything that the daemon keeps from a backup of this or another computer, live and without "
+      "restore everything that the service keeps from a backup of this or another computer, live and without "
       "a restart; all of it or nothing");
   command->add_option("file", o->file, "the backup")->required();
   command->add_flag("--dry-run", o->dry_run, "only check it and show what it contains");

@@ -53,8 +53,8 @@ int calibrate_camera(const ServiceOptions& o, const Client& client) {
 
 void add_calibrate(CommandLine& line) {
   const auto o = std::make_shared<ServiceOptions>();
-  CLI::App* command =
-      line.app.add_subcommand("calibrate", "find where a camera hangs, from an image of the daemon's camera");
+  CLI::App* command = line.app.add_subcommand(
+      "calibrate", "find where a camera hangs, from an image of the service's camera");
   add_laboratory_input(line, command);
   CLI::Option* of_one = command->add_option("--camera", o->camera_id, "id of the camera");
   CLI::Option* of_several =

@@ -56,7 +56,7 @@ void add_controls(CommandLine& line) {
 void add_sources(CommandLine& line) {
   const auto as_json = std::make_shared<bool>(false);
   CLI::App* command =
-      line.app.add_subcommand("sources", "list the cameras that the daemon could open, with their settings");
+      line.app.add_subcommand("sources", "list the cameras that the service could open, with their settings");
   add_json_flag(command, *as_json);
   line.on(command, [&line, as_json] {
     print_answer(line.client().get_json("/api/sources").at("sources"), *as_json, found_cameras_text);

@@ -74,10 +74,10 @@ CommandLine::CommandLine(const std::string& program, const std::string& descript
     : app(description, program) {
   app.set_version_flag("--version", program + " " + kVersion);
   app.require_subcommand(1);
-  app.add_option("--daemon", daemon, "address of the daemon's panel")->capture_default_str();
+  app.add_option("--daemon", daemon, "address of the service's panel")->capture_default_str();
   app.add_option(
       "--password-file", password_file,
-      "file with the daemon's password in its first line; else SSL_VISIOND_PASSWORD, else it is asked for");
+      "file with the service's password in its first line; else SSL_VISIOND_PASSWORD, else it is asked for");
 }
 
 std::string CommandLine::password() const {

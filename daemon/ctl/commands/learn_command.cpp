@@ -18,7 +18,7 @@ void add_learn_colours(CommandLine& line) {
   };
   const auto o = std::make_shared<Options>();
   CLI::App* command = line.app.add_subcommand(
-      "learn-colours", "learn a camera's colour table automatically, from the daemon's live images");
+      "learn-colours", "learn a camera's colour table automatically, from the service's live images");
   add_laboratory_input(line, command);
   command->add_option("--camera", o->camera_id, "id of the camera")->capture_default_str();
   command->add_option("--frames", o->frames, "images to learn from")

@@ -36,7 +36,7 @@ void add_match_log(CommandLine& line) {
     bool as_json = false;
   };
   const auto o = std::make_shared<Options>();
-  auto* list = group->add_subcommand("list", "what is recorded now, and the logs that the daemon keeps");
+  auto* list = group->add_subcommand("list", "what is recorded now, and the logs that the service keeps");
   add_json_flag(list, o->as_json);
   line.on(list, [&line, o] {
     print_answer(line.client().get_json("/api/recordings"), o->as_json, recordings_text);
@@ -70,7 +70,7 @@ void add_clip(CommandLine& line) {
   };
   const auto o = std::make_shared<KeepOptions>();
   auto* list =
-      group->add_subcommand("list", "how far back the daemon's memory reaches, and the clips it keeps");
+      group->add_subcommand("list", "how far back the service's memory reaches, and the clips it keeps");
   add_json_flag(list, o->as_json);
   line.on(list, [&line, o] {
     print_answer(line.client().get_json("/api/recordings/clips"), o->as_json, clips_text);

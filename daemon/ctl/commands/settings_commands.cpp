@@ -194,7 +194,7 @@ const Json& preset_named(const Json& presets, const std::string& name) {
 }  // namespace
 
 void add_settings(CommandLine& line) {
-  CLI::App* settings = line.app.add_subcommand("settings", "show and change the daemon's settings");
+  CLI::App* settings = line.app.add_subcommand("settings", "show and change the service's settings");
   settings->require_subcommand(1);
   add_get(line, settings);
   add_set(line, settings);
@@ -275,7 +275,7 @@ void add_profiles(CommandLine& line) {
 void add_history(CommandLine& line) {
   const auto as_json = std::make_shared<bool>(false);
   CLI::App* command =
-      line.app.add_subcommand("history", "show what was changed in the daemon's settings, newest first");
+      line.app.add_subcommand("history", "show what was changed in the service's settings, newest first");
   add_json_flag(command, *as_json);
   line.on(command, [&line, as_json] {
     print_answer(line.client().get_json("/api/settings/history"), *as_json, history_text);

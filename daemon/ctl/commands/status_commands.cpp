@@ -20,7 +20,7 @@ namespace sslv {
 
 void add_status(CommandLine& line) {
   const auto as_json = std::make_shared<bool>(false);
-  CLI::App* command = line.app.add_subcommand("status", "show the daemon's cameras, network and rates");
+  CLI::App* command = line.app.add_subcommand("status", "show the service's cameras, network and rates");
   add_json_flag(command, *as_json);
   line.on(command, [&line, as_json] {
     print_answer(line.client().get_json("/api/status"), *as_json, status_text);
@@ -172,7 +172,7 @@ void add_packets(CommandLine& line) {
   const auto as_json = std::make_shared<bool>(false);
   CLI::App* command = line.app.add_subcommand(
       "packets",
-      "the newest packets that the daemon heard itself send, decoded, and who listens on its computer");
+      "the newest packets that the service heard itself send, decoded, and who listens on its computer");
   add_json_flag(command, *as_json);
   line.on(command, [&line, as_json] {
     const Client client = line.client();
@@ -189,7 +189,7 @@ void add_log(CommandLine& line) {
     bool follow = false, as_json = false;
   };
   const auto o = std::make_shared<Options>();
-  CLI::App* command = line.app.add_subcommand("log", "show the newest lines of the daemon's log");
+  CLI::App* command = line.app.add_subcommand("log", "show the newest lines of the service's log");
   command->add_option("--level", o->level, "lowest level to show: debug, info, warning or error")
       ->check(CLI::IsMember({"debug", "info", "warning", "error"}))
       ->capture_default_str();

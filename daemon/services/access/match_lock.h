@@ -32,7 +32,7 @@ class MatchLock {
 
   static constexpr const char* kReason =
       "the game controller says that the game is running, so the settings are locked: wait for HALT, or "
-      "unlock the settings for this match";
+      "unlock the settings for this match (ssl-visionctl match-lock open)";
 
  private:
   const Snapshot<Config>& config_;

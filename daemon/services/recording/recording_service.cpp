@@ -254,6 +254,11 @@ Json RecordingService::to_json() const {
   const bool is_recording = now.started_by != StartedBy::kNobody;
   const bool by_hand = config->recording.match_logs == RecordingSettings::MatchLogs::kByHand;
   const std::string left_out = by_hand ? std::string() : this->left_out();
+  std::string no_room;
+  {
+    const std::lock_guard lock(mutex_);
+    no_room = no_room_problem_;
+  }
   const char* state = !now.problem.empty() ? "failed"
                       : by_hand            ? "off"
                       : left_out.empty()   ? "waiting"
@@ -275,7 +280,9 @@ Json RecordingService::to_json() const {
                                   : messages_json(0, 0, 0)},
         {"lost", is_recording ? status.lost : 0},
         {"refused", is_recording ? status.refused + status.cut : 0},
-        {"error", is_recording || !now.problem.empty() ? now.problem : left_out}}},
+        {"error", is_recording || !now.problem.empty() ? now.problem
+                  : !left_out.empty()                  ? left_out
+                                                       : no_room}}},
       {"disk",
        {{"used_bytes", disk.used_bytes},
         {"quota_bytes", static_cast<std::uint64_t>(config->recording.quota_mb) * kMb},

@@ -66,7 +66,7 @@ export const graphKinds: readonly GraphKind[] = [
   },
 ];
 
-const COLOURS = ['--g1', '--g2', '--g3', '--g4', '--g5', '--g6'];
+const COLOURS = ['--g1', '--g2', '--g3', '--g4', '--g5', '--g6', '--g7', '--g8'];
 /** A camera's colour in all graphs; `place` is its index among the cameras. */
 export const cameraColour = (place: number) => COLOURS[place % COLOURS.length]!;
 

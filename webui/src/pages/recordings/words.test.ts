@@ -20,6 +20,7 @@ describe('the log of this moment', () => {
   it('is a sentence in each state', () => {
     expect(text({})).toMatchObject({ level: 'ok', text: 'Recording since 14:05: Yellow vs Blue, 12 min, 34 MB', more: 'Started by the game controller. It ends when the match is over.' });
     expect(text({ started_by: 'hand' }).more).toBe('Started by hand. It records until you press Stop.');
+    expect(text({ ...none, state: 'waiting', error: 'the quota is used up' })).toMatchObject({ level: 'warn', text: 'No match can be recorded: the quota is used up' });
     expect(text({ state: 'paused' }).text).toBe('Paused: break. Yellow vs Blue, 12 min, 34 MB so far');
     expect(text({ ...none, state: 'left_out', error: '192.0.2.1 stopped its log' })).toMatchObject({ level: 'warn', text: 'This match is not recorded: 192.0.2.1 stopped its log' });
     expect(text({ ...none, state: 'waiting' }).text).toBe('Waiting for the game controller: recording starts when both teams are named and HALT ends');

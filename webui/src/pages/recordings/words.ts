@@ -38,6 +38,7 @@ export function nowText({ match_log: now, disk }: Pick<Recordings, 'match_log' |
     case 'paused':
       return { level: 'info', icon: 'pause', word: 'Paused', text: `Paused: break. ${titleOf(now)}, ${size(now)} so far`, more: 'The log continues when the match does.' };
     case 'waiting':
+      if (now.error) return { level: 'warn', icon: 'warn', word: 'Cannot record', text: `No match can be recorded: ${now.error}`, more: 'Download and delete recordings, or give them more disk space (Settings, recording).' };
       return { level: 'info', icon: 'history', word: 'Waiting', text: 'Waiting for the game controller: recording starts when both teams are named and HALT ends', more: 'Or start it now by hand.' };
     case 'left_out':
       return { level: 'warn', icon: 'warn', word: 'Not recorded', text: `This match is not recorded: ${now.error || 'its log was stopped'}`, more: 'Press Record to record the rest of it. The next match is recorded again.' };

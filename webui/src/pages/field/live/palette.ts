@@ -3,7 +3,7 @@
 
 const NAMES = [
   '--fld', '--fld-edge', '--fld-line', '--t1', '--t2', '--s-1', '--warn', '--ball', '--t-yellow',
-  '--g1', '--g2', '--g3', '--g4', '--g5', '--g6', '--q2', '--q3', '--q4', '--q5',
+  '--g1', '--g2', '--g3', '--g4', '--g5', '--g6', '--g7', '--g8', '--q2', '--q3', '--q4', '--q5',
 ] as const;
 export type ColourName = (typeof NAMES)[number];
 

@@ -82,5 +82,5 @@ export class RawReports {
 const isSame = (a: Robot, b: Robot) => a.team === b.team && a.id === b.id && Math.hypot(a.x - b.x, a.y - b.y) < SAME_MM;
 
 /** CSS variables of cameras' colours; further cameras reuse them and are distinguished by their numbers. */
-const COLOURS = ['--g1', '--g2', '--g4', '--g3', '--g5', '--g6'] as const;
+const COLOURS = ['--g1', '--g2', '--g4', '--g3', '--g5', '--g7', '--g8', '--g6'] as const;
 export const colourOfCamera = (camera: number): (typeof COLOURS)[number] => COLOURS[camera % COLOURS.length]!;
