@@ -12,8 +12,8 @@
 namespace sslv {
 namespace {
 
-double gib(const Json& bytes) {
-  return bytes.get<double>() / (1024 * 1024 * 1024);
+double gb(const Json& bytes) {
+  return bytes.get<double>() * 1e-9;
 }
 
 std::string system_text(const Json& system) {

@@ -158,7 +158,7 @@ describe('a body', () => {
       await isSmall('api/settings/check', `[{"op":"add","path":"/site","value":${filled(part)}}]`, REFUSED, `a value of ${part}`);
       await isSmall('api/cameras/0/colors/edits', `{"commands":${filled(part)}}`, REFUSED, `commands of ${part}`);
     }
-    const table = Buffer.concat([Buffer.from('SSLVLUT2'), Buffer.from([8, 1, 0, 0, 0, 0x80, 0x80, 0x80, 0x08])]);
+    const table = Buffer.concat([Buffer.from('SSLVLUT2'), Buffer.from([8, 1, 2, 0, 2, 0x80, 0x80, 0x80, 0x08])]);
     await isSmall('api/cameras/0/colors/import?try=true&name=large.lut', table, [200], 'a colour table of few bytes');
   });
 });

@@ -117,16 +117,16 @@ TEST(Quantile, LiesWithinItsBin) {
 TEST(Diagnostics, SayWhatTakesHowLong) {
   const Json diagnostics = Json::parse(R"({
     "system": {"host": "vision", "kernel": "6.1", "uptime_s": 60, "load": [1, 0.5, 0.25], "cpu_percent": [10, 90],
-               "memory": {"total_bytes": 8589934592, "available_bytes": 4294967296}, "disk": null,
+               "memory": {"total_bytes": 8000000000, "available_bytes": 4000000000}, "disk": null,
                "temperature_c": null,
-               "process": {"cpu_percent": 50, "rss_bytes": 104857600, "threads": 9, "descriptors": 30}},
+               "process": {"cpu_percent": 50, "rss_bytes": 100000000, "threads": 9, "descriptors": 30}},
     "clock": {"synchronised": false, "offset_ms": 1.5, "estimated_error_ms": 16},
     "cameras": [{"id": 0, "exposure": null, "latency": {"edges_us": [1000, 1000.001], "counts": [7]},
                  "age": {"edges_us": [], "counts": []},
                  "stages": [{"name": "segment", "histogram": {"edges_us": [200, 200.001], "counts": [7]}}]}]})");
   const std::string text = diagnostics_text(diagnostics);
-  EXPECT_THAT(text, HasSubstr("memory    4.0 of 8.0 GiB available\n"));
-  EXPECT_THAT(text, HasSubstr("service   50 % of a core, 100 MiB, 9 threads, 30 descriptors\n"));
+  EXPECT_THAT(text, HasSubstr("memory    4.0 of 8.0 GB available\n"));
+  EXPECT_THAT(text, HasSubstr("service   50 % of a core, 100 MB, 9 threads, 30 descriptors\n"));
   EXPECT_THAT(text, HasSubstr("clock     NOT synchronised, 1.500 ms off, accurate to 16.000 ms\n"));
   EXPECT_THAT(text, HasSubstr("camera  what     p50 ms  p99 ms\n"
                               "     0  segment   0.200   0.200\n"
