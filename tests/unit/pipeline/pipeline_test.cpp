@@ -143,7 +143,7 @@ TEST(PipelineCheck, AnUpdateNeedsItsPart) {
 TEST(PipelineCheck, NamesTheUnknownStageAndAllThereAre) {
   EXPECT_EQ(stack_error({"make_labels", "find_rnus"}),
             "/cameras/0/stack/1: unknown stage 'find_rnus'; known: make_labels, double_labels, find_runs, "
-            "find_regions, count, publish");
+            "find_regions, count, publish. A stage of your own needs its library (--stages FOLDER)");
 }
 
 TEST(PipelineCheck, RefusesDuplicateStages) {
