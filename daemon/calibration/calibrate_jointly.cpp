@@ -140,7 +140,7 @@ class JointCalibrator {
       refined.camera = joint.cameras[i];
       refined.rms_px = rms(residuals_px(refined.camera, refined.sightings));
       const Verdict verdict = judge(refined, pictures_[i], curves_, task_.field);
-      const Published wire = publish(refined.camera, task_.cameras[i].calibration);
+      const Published wire = publish(refined.camera, task_.cameras[i].calibration, task_.field);
       const LensCamera& now = published.emplace_back(lens_camera(wire.calibration));
       out.found = true;
       out.calibration = wire.calibration;

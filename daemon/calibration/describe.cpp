@@ -119,14 +119,21 @@ void add_click_figures(const Finding& finding, CalibrationReport& out) {
 
 void add_errors(const Finding& finding, CalibrationReport& out) {
   const RefinedCamera& refined = finding.refined;
+  const LensCamera published = lens_camera(out.calibration);
+  // What is published has also the error of the protocol's lens model.
+  const auto error_at = [&](const Eigen::Vector2d& pixel, double height_mm) {
+    const auto place = refined.camera.unproject(pixel, height_mm),
+               wire = published.unproject(pixel, height_mm);
+    return std::hypot(expected_error_mm(refined, pixel, height_mm),
+                      place && wire ? (*place - *wire).norm() : 0);
+  };
   Rms on_floor, at_150;
   for (const Eigen::Vector2d& place : places_in_view(refined.camera, finding.task.field)) {
     const auto floor_pixel = refined.camera.project({place.x(), place.y(), 0}),
                robot_pixel = refined.camera.project({place.x(), place.y(), kRobotTopsMm});
     if (!floor_pixel || !robot_pixel) continue;
-    const ExpectedError& error =
-        out.error_map.emplace_back(ExpectedError{place, expected_error_mm(refined, *floor_pixel, 0),
-                                                 expected_error_mm(refined, *robot_pixel, kRobotTopsMm)});
+    const ExpectedError& error = out.error_map.emplace_back(
+        ExpectedError{place, error_at(*floor_pixel, 0), error_at(*robot_pixel, kRobotTopsMm)});
     on_floor.add(error.on_floor_mm);
     at_150.add(error.at_150_mm);
   }
@@ -184,8 +191,24 @@ void add_problems(const Finding& finding, CalibrationReport& out) {
     out.problems.emplace_back(
         "Other parts of the field fit the image nearly as well: click at four corners or crossings.");
   }
+  if (out.lens_rms_mm > kMaxLensMm) {
+    out.problems.push_back(fmt::format(
+        "This lens bends lines in a way that the league's protocol cannot describe: what is published "
+        "would differ by {:.0f} mm on average. Use another lens, or a camera that hangs less tilted.",
+        out.lens_rms_mm));
+  }
   for (std::string& problem : problems_of(finding.verdict, "were the right points clicked"))
     out.problems.push_back(std::move(problem));
+}
+
+/// Explains a deviation that is accepted only because the image is large; nothing if it is usual.
+std::optional<std::string> uneven_note(const Verdict& verdict, double expected_on_floor_mm) {
+  if (verdict.rms_px < kMaxRmsPx || !verdict.lines_are_near()) return std::nullopt;
+  return fmt::format(
+      "The lines lie {:.2f} px ({:.1f} mm) off on average, more than straight lines do: the paint or tape "
+      "may be "
+      "uneven, or the image blurred. Places on the floor are expected to be off by {:.1f} mm.",
+      verdict.rms_px, verdict.rms_mm(), expected_on_floor_mm);
 }
 
 void add_notes(const Finding& finding, CalibrationReport& out) {
@@ -209,6 +232,8 @@ void add_notes(const Finding& finding, CalibrationReport& out) {
     out.notes.emplace_back(
         "The lens' distortion is not observable from this view and is held at its usual value.");
   }
+  if (auto note = uneven_note(finding.verdict, out.expected_on_floor_mm))
+    out.notes.push_back(std::move(*note));
   if (auto note = lens_note({out.calibration, out.lens_rms_mm, out.lens_worst_mm}))
     out.notes.push_back(std::move(*note));
   if (finding.measured == LinesMeasured::kToOuterEdge && !finding.task.measured)
@@ -227,13 +252,13 @@ CalibrationReport describe(const Finding& finding) {
   const LensCamera& camera = finding.refined.camera;
   CalibrationReport out;
   out.found = true;
-  out.accepted = finding.verdict.is_acceptable() && finding.only_one;
   out.camera = camera;
   out.measured = finding.measured;
-  const Published published = publish(camera, finding.task.previous);
+  const Published published = publish(camera, finding.task.previous, finding.task.field);
   out.calibration = published.calibration;
   out.lens_rms_mm = published.rms_mm;
   out.lens_worst_mm = published.worst_mm;
+  out.accepted = finding.verdict.is_acceptable() && finding.only_one && out.lens_rms_mm <= kMaxLensMm;
   out.found_share = finding.verdict.found_share;
   out.unexplained_share = finding.verdict.unexplained_share;
   out.height_mm = camera.position_mm.z();
@@ -264,16 +289,17 @@ std::vector<std::string> problems_of(const Verdict& verdict, const char* doubt) 
   }
   if (!verdict.lines_are_near()) {
     out.push_back(
-        fmt::format("The lines lie {:.2f} px off on average (expected less than {}): do the field's sizes "
+        fmt::format("The lines lie {:.2f} px ({:.1f} mm) off on average, expected less than {:.2f} px: do "
+                    "the field's sizes "
                     "fit this field?",
-                    verdict.rms_px, kMaxRmsPx));
+                    verdict.rms_px, verdict.rms_mm(), verdict.max_rms_px()));
   }
   return out;
 }
 
 std::optional<std::string> lens_note(const Published& published) {
   constexpr double kWorthSayingMm = 0.5;
-  if (published.rms_mm <= kWorthSayingMm) return std::nullopt;
+  if (published.rms_mm <= kWorthSayingMm || published.rms_mm > kMaxLensMm) return std::nullopt;
   return fmt::format(
       "This lens bends lines in a way that the league's protocol cannot describe: the published calibration "
       "differs by {:.1f} mm on average and {:.1f} mm at most.",

@@ -16,6 +16,9 @@
 
 namespace sslv {
 
+/// Greatest deviation of a published calibration that is good enough.
+inline constexpr double kMaxLensMm = 10;
+
 /// A calibration that was found, and the data that describe() needs for its report.
 struct Finding {
   const CalibrationTask& task;

@@ -35,8 +35,9 @@ double Verdict::credit() const {
   return found_share - kUnexplainedWeight * unexplained_share;
 }
 
-bool Verdict::lines_are_near() const {
-  return rms_px < kMaxRmsPx;
+double Verdict::max_rms_px() const {
+  constexpr double kUnevenMm = 4, kMostPx = 1.5;
+  return std::clamp(kUnevenMm * px_per_mm, kMaxRmsPx, kMostPx);
 }
 
 bool Verdict::lines_are_found() const {
@@ -45,7 +46,8 @@ bool Verdict::lines_are_found() const {
 
 Verdict judge(const RefinedCamera& refined, const LinePicture& picture, std::span<const PaintedCurve> curves,
               const FieldSize& field) {
-  return {refined.rms_px, refined.found_share(), unexplained_share(refined.camera, picture, curves, field)};
+  return {refined.rms_px, refined.found_share(), unexplained_share(refined.camera, picture, curves, field),
+          refined.camera.px_per_mm()};
 }
 
 }  // namespace sslv

@@ -15,16 +15,21 @@ struct Verdict {
   double rms_px = 0;
   double found_share = 0;        // share of the line patches in view
   double unexplained_share = 0;  // share of the stripe pixels on the field that no line explains
+  double px_per_mm = 1;
 
   /// found_share minus a multiple of unexplained_share. A wrong camera always leaves stripes unexplained;
   /// lines missing on the floor do not.
   double credit() const;
-  bool lines_are_near() const;
+  double rms_mm() const { return rms_px / px_per_mm; }
+  /// Straight lines lie within kMaxRmsPx. Paint and tape may be uneven by kUnevenMm, which takes more pixels
+  /// in a large image.
+  double max_rms_px() const;
+  bool lines_are_near() const { return rms_px < max_rms_px(); }
   bool lines_are_found() const;
   bool is_acceptable() const { return lines_are_near() && lines_are_found(); }
 };
 
-inline constexpr double kMaxRmsPx = 0.6;  // limit of lines_are_near()
+inline constexpr double kMaxRmsPx = 0.6;
 
 Verdict judge(const RefinedCamera& refined, const LinePicture& picture, std::span<const PaintedCurve> curves,
               const FieldSize& field);

@@ -5,32 +5,51 @@
 #include "calibration/fit_camera.h"
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 namespace sslv {
 
-Published publish(const LensCamera& camera, const std::optional<CameraCalibration>& previous) {
+namespace {
+
+/// Places in the image on the floor and at the robots' tops, within `half_mm` of the field's middle.
+std::vector<Sighting> places_on_grid(const LensCamera& camera, const Eigen::Vector2d& half_mm) {
+  constexpr int kColumns = 32, kRows = 24;
+  constexpr double kPlanesMm[] = {0, kRobotTopsMm};
+  std::vector<Sighting> sightings;
+  for (int j = 0; j < kRows; ++j) {
+    for (int i = 0; i < kColumns; ++i) {
+      const Eigen::Vector2d pixel(i * (camera.width - 1.0) / (kColumns - 1),
+                                  j * (camera.height - 1.0) / (kRows - 1));
+      for (const double height_mm : kPlanesMm) {
+        const auto place = camera.unproject(pixel, height_mm);
+        if (!place || (place->array().abs() > half_mm.array()).any()) continue;
+        Sighting& sighting = sightings.emplace_back();
+        sighting.place_mm = {place->x(), place->y(), height_mm};
+        sighting.pixel = pixel;
+      }
+    }
+  }
+  return sightings;
+}
+
+}  // namespace
+
+Published publish(const LensCamera& camera, const std::optional<CameraCalibration>& previous,
+                  const std::optional<FieldSize>& field) {
   LensCamera wire = camera;
   Published out;
   if (camera.k2 != 0) {
-    constexpr int kColumns = 16, kRows = 12;
-    constexpr double kPlanesMm[] = {0, kRobotTopsMm};
+    constexpr double kAroundMm = 1000;
+    constexpr std::size_t kFewest = 100;
     std::vector<Sighting> sightings;
-    for (int j = 0; j < kRows; ++j) {
-      for (int i = 0; i < kColumns; ++i) {
-        const Eigen::Vector2d pixel(i * (camera.width - 1.0) / (kColumns - 1),
-                                    j * (camera.height - 1.0) / (kRows - 1));
-        for (const double height_mm : kPlanesMm) {
-          const auto place = camera.unproject(pixel, height_mm);
-          if (!place) continue;
-          Sighting& sighting = sightings.emplace_back();
-          sighting.place_mm = {place->x(), place->y(), height_mm};
-          sighting.pixel = pixel;
-        }
-      }
-    }
+    if (field)
+      sightings = places_on_grid(
+          camera, {field->field_length / 2.0 + kAroundMm, field->field_width / 2.0 + kAroundMm});
+    if (sightings.size() < kFewest)
+      sightings = places_on_grid(camera, Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity()));
     CameraPrior anything;
     anything.focal_px = camera.focal_px;
     anything.focal_share = 10;

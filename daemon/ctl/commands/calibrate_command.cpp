@@ -16,6 +16,7 @@ namespace sslv {
 namespace {
 
 constexpr const char* kNotApplied = "Not applied: --accept applies it.\n";
+constexpr const char* kNotGood = "Not applied: --accept --force applies it anyway.\n";
 
 struct ServiceOptions {
   CalibrateOptions common;
@@ -25,16 +26,23 @@ struct ServiceOptions {
   bool together = false, accept = false, force = false;
 };
 
+/// Whether to apply a result that is not good enough.
+bool is_forced(const ServiceOptions& o, const Json& report) {
+  if (report.at("found") != true) return false;
+  if (!(o.accept && o.force)) std::cerr << kNotGood;
+  return o.accept && o.force;
+}
+
 int calibrate_several_cameras(const ServiceOptions& o, const Client& client) {
   const Json report = calibrate_together(client, {{"cameras", o.together_ids},
                                                   {"frames", o.common.words.frames.value_or(10)},
                                                   {"seconds", o.together_s},
                                                   {"force", o.force}});
   const int exit_code = o.common.tell(report, joint_calibration_text);
-  if (exit_code != EXIT_SUCCESS) return exit_code;
+  if (exit_code != EXIT_SUCCESS && !is_forced(o, report)) return exit_code;
   if (o.accept) client.post("/api/calibration/accept", {{"force", o.force}});
   std::cerr << (o.accept ? "They are in use.\n" : kNotApplied);
-  return exit_code;
+  return EXIT_SUCCESS;
 }
 
 int calibrate_camera(const ServiceOptions& o, const Client& client) {
@@ -42,11 +50,11 @@ int calibrate_camera(const ServiceOptions& o, const Client& client) {
   asked["force"] = o.force;
   const Json report = calibrate_running(client, o.camera_id, asked);
   const int exit_code = o.common.tell(report, calibration_text);
-  if (exit_code != EXIT_SUCCESS) return exit_code;
+  if (exit_code != EXIT_SUCCESS && !is_forced(o, report)) return exit_code;
   if (o.accept)
     client.post(fmt::format("/api/cameras/{}/calibration/accept", o.camera_id), {{"force", o.force}});
   std::cerr << (o.accept ? "It is in use.\n" : kNotApplied);
-  return exit_code;
+  return EXIT_SUCCESS;
 }
 
 }  // namespace
@@ -73,7 +81,7 @@ void add_calibrate(CommandLine& line) {
       ->needs(of_several);
   o->common.add_to(command);
   command->add_flag("--accept", o->accept, "apply it when it is good enough");
-  command->add_flag("--force", o->force, "even while the game is running");
+  command->add_flag("--force", o->force, "even if it is not good enough, or while the game is running");
   for (const char* of_one_camera :
        {"--points", "--height", "--height-sigma", "--focal", "--plus-x", "--lines", "--output"})
     of_several->excludes(command->get_option(of_one_camera));
