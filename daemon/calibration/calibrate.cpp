@@ -9,6 +9,7 @@
 #include "calibration/way_round.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace sslv {
@@ -243,6 +244,32 @@ class Calibrator {
     return best;
   }
 
+  /// Another usual field that the image may show as well, at another scale: the defence areas of both
+  /// divisions have the same shape. Null: none, or the camera's height is known and decides.
+  const FieldPreset* find_other_scale(const RefinedCamera& refined) const {
+    if (prior_.height_mm) return nullptr;
+    const FieldSize& ours = task_.field;
+    for (const FieldPreset& preset : field_presets()) {
+      const FieldSize& theirs = preset.size;
+      const double scale =
+          static_cast<double>(theirs.penalty_area_depth) / std::max(1, ours.penalty_area_depth);
+      const double by_width =
+          static_cast<double>(theirs.penalty_area_width) / std::max(1, ours.penalty_area_width);
+      constexpr double kSameScale = 0.02;
+      if (std::abs(scale - 1) < kSameScale || std::abs(by_width / scale - 1) > kSameScale) continue;
+      const FieldCurves curves(theirs);
+      for (const int side : {-1, 1}) {
+        const Eigen::Vector3d our_goal(side * ours.field_length / 2.0, 0, 0),
+            their_goal(side * theirs.field_length / 2.0, 0, 0);
+        LensCamera camera = refined.camera;
+        camera.position_mm = their_goal + scale * (camera.position_mm - our_goal);
+        const auto other = refine_again(picture_, camera, curves.to_middle, prior_, {}, stop_);
+        if (other && judge(*other, picture_, curves.to_middle, theirs).is_acceptable()) return &preset;
+      }
+    }
+    return nullptr;
+  }
+
   CalibrationReport finish(Solution solution) {
     const CalibrationModel model = choose_model({&solution.refined, 1}, field_curves_, task_.measured);
     const CalibrationModel::Lens& lens = model.lenses.front();
@@ -253,9 +280,9 @@ class Calibrator {
     }
     curves_ = curves;
     clicks_ = read_clicks(task_.clicks, named_points(curves_));
-    CalibrationReport out =
-        describe({task_, clicks_, prior_, curves_, model.measured, solution.refined,
-                  verdict(solution.refined), solution.either_way_round, solution.only_one});
+    CalibrationReport out = describe({task_, clicks_, prior_, curves_, model.measured, solution.refined,
+                                      verdict(solution.refined), solution.either_way_round, solution.only_one,
+                                      find_other_scale(solution.refined)});
     out.problems.insert(out.problems.begin(), problems_.begin(), problems_.end());
     return out;
   }

@@ -191,6 +191,13 @@ void add_problems(const Finding& finding, CalibrationReport& out) {
     out.problems.emplace_back(
         "Other parts of the field fit the image nearly as well: click at four corners or crossings.");
   }
+  if (finding.other_scale) {
+    out.problems.push_back(
+        fmt::format("The image shows only parts that another field ({}) has too, in another size, so a "
+                    "camera at {:.0f} mm is "
+                    "not certain: give the camera's height, or turn the camera to more of the field.",
+                    finding.other_scale->help, out.height_mm));
+  }
   if (out.lens_rms_mm > kMaxLensMm) {
     out.problems.push_back(fmt::format(
         "This lens bends lines in a way that the league's protocol cannot describe: what is published "
@@ -258,7 +265,8 @@ CalibrationReport describe(const Finding& finding) {
   out.calibration = published.calibration;
   out.lens_rms_mm = published.rms_mm;
   out.lens_worst_mm = published.worst_mm;
-  out.accepted = finding.verdict.is_acceptable() && finding.only_one && out.lens_rms_mm <= kMaxLensMm;
+  out.accepted = finding.verdict.is_acceptable() && finding.only_one && !finding.other_scale &&
+                 out.lens_rms_mm <= kMaxLensMm;
   out.found_share = finding.verdict.found_share;
   out.unexplained_share = finding.verdict.unexplained_share;
   out.height_mm = camera.position_mm.z();

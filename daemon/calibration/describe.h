@@ -28,8 +28,9 @@ struct Finding {
   LinesMeasured measured;
   const RefinedCamera& refined;
   Verdict verdict;
-  bool either_way_round;  // also fits when rotated by 180 deg; unknown which is right
-  bool only_one;          // no other part of the field fits the image
+  bool either_way_round;           // also fits when rotated by 180 deg; unknown which is right
+  bool only_one;                   // no other part of the field fits the image
+  const FieldPreset* other_scale;  // another field fits the image at another scale; null: none
 };
 
 /// Makes the report: figures, and notes and problems in plain words.

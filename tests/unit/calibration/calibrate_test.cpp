@@ -2,6 +2,7 @@
 #include "calibration/calibrate.h"
 
 #include "base/error.h"
+#include "calibration/judge.h"
 #include "calibration/propose.h"
 #include "calibration/way_round.h"
 #include "support/painted_floor.h"
@@ -362,6 +363,50 @@ TEST(Calibrate, UnevenPaintDoesNotPassForLinesMeasuredToTheirOuterEdge) {
     EXPECT_EQ(calibrate(shot.picture, clicked(shot, kHalfCorners)).measured, LinesMeasured::kToMiddle)
         << seed;
   }
+}
+
+TEST(Calibrate, UnevenTapeInALargeImageIsAcceptedAndSaid) {
+  PaintedFloor floor;
+  floor.wavy_mm = 2.6;
+  const Shot shot = take({1, FloorView::kQuarter}, floor);
+  ASSERT_GT(shot.camera.px_per_mm(), 0.25) << "a pixel is small";
+  const CalibrationReport report =
+      calibrate(shot.picture,
+                clicked(shot, {"centre", "halfway line top", "corner right top", "goal line middle right"}));
+  EXPECT_GT(report.rms_px, kMaxRmsPx);
+  EXPECT_TRUE(report.accepted);
+  EXPECT_THAT(report.notes, Contains(HasSubstr("may be uneven")));
+  const double error_mm = shot.floor_error_mm(report);
+  EXPECT_LT(error_mm, 2 * report.expected_on_floor_mm + 0.1);
+  EXPECT_GT(error_mm, 0.5 * report.expected_on_floor_mm - 0.1);
+}
+
+/// A camera over a defence area of Division A, which looks like a smaller one of Division B.
+TEST(Calibrate, DoesNotGuessTheScaleOfADefenceArea) {
+  const auto& large = field_preset("division-a", "");
+  Shot shot{floor_camera({}), {}, {}};
+  shot.floor.field = large;
+  constexpr double kPxPerMm = 0.132;  // the area fills the image
+  shot.camera.position_mm = {5100, 0, shot.camera.focal_px / kPxPerMm};
+  shot.picture.add(draw_floor(shot.floor, shot.camera).view);
+  CalibrationTask task;
+  for (const NamedPoint& point : named_points(painted_curves(large))) {
+    const auto pixel = shot.camera.project({point.place_mm.x(), point.place_mm.y(), 0});
+    if (point.place_mm.x() > 4000 && pixel && shot.camera.is_in_picture(*pixel))
+      task.clicks.push_back({*pixel, point.name, {}});
+  }
+  ASSERT_GE(task.clicks.size(), 4u);
+  for (const char* division : {"division-a", "division-b"}) {
+    task.field = field_preset(division, "");
+    const CalibrationReport report = calibrate(shot.picture, task);
+    EXPECT_FALSE(report.accepted) << division;
+    EXPECT_THAT(report.problems, Contains(HasSubstr("give the camera's height"))) << division;
+  }
+  task.field = large;
+  task.height_mm = shot.camera.position_mm.z() + 20;
+  const CalibrationReport report = calibrate(shot.picture, task);
+  EXPECT_TRUE(report.accepted);
+  EXPECT_LT(shot.floor_error_mm(report), 1);
 }
 
 TEST(Calibrate, DoesWithoutSomeLines) {
