@@ -256,12 +256,17 @@ std::vector<ImportedTable> tables_of_xml(Bytes bytes, const std::string& file_na
   return std::move(finds.tables);
 }
 
-/// Removes empty tables, which SSL-Vision saves for cameras whose colours were never set.
-std::vector<ImportedTable> without_empty(std::vector<ImportedTable> tables, const std::string& file_name) {
-  std::erase_if(tables, [](const ImportedTable& one) {
-    return std::ranges::all_of(one.table.labels, [](Label label) { return label == label::kClear; });
-  });
-  if (tables.empty()) refuse_file(file_name, "is an empty colour table: no cell has a colour");
+/// Such tables are those of cameras whose colours were never set.
+bool is_empty(const ColorTable& table) {
+  return std::ranges::all_of(table.labels, [](Label label) { return label == label::kClear; });
+}
+
+[[noreturn]] void refuse_empty(const std::string& name) {
+  refuse_file(name, "is an empty colour table: no cell has a colour");
+}
+
+std::vector<ImportedTable> not_all_empty(std::vector<ImportedTable> tables, const std::string& file_name) {
+  if (std::ranges::all_of(tables, is_empty, &ImportedTable::table)) refuse_empty(file_name);
   return tables;
 }
 
@@ -298,7 +303,7 @@ std::vector<ImportedTable> import_tables(Bytes bytes, const std::string& file_na
   const auto alone = [&](const char* format, ColorTable table) {
     std::vector<ImportedTable> out;
     out.push_back({file_name, std::nullopt, format, std::move(table)});
-    return without_empty(std::move(out), file_name);
+    return not_all_empty(std::move(out), file_name);
   };
   if (is_lut(bytes)) return alone(".lut", decode_lut(bytes, file_name, labels));
   constexpr std::array<std::uint8_t, 3> kByteOrderMark{0xEF, 0xBB, 0xBF};
@@ -307,7 +312,7 @@ std::vector<ImportedTable> import_tables(Bytes bytes, const std::string& file_na
       std::equal(kByteOrderMark.begin(), kByteOrderMark.end(), text.begin()))
     text = text.subspan(kByteOrderMark.size());
   while (!text.empty() && std::isspace(text.front()) != 0) text = text.subspan(1);
-  if (!text.empty() && text.front() == '<') return without_empty(tables_of_xml(text, file_name), file_name);
+  if (!text.empty() && text.front() == '<') return not_all_empty(tables_of_xml(text, file_name), file_name);
   if (!text.empty() && text.front() == '{') return alone("JSON", table_of_json(text, file_name, labels));
   refuse_file(file_name,
               "is not a colour table: neither a .lut file, nor JSON of this program, nor XML of SSL-Vision");
@@ -315,12 +320,16 @@ std::vector<ImportedTable> import_tables(Bytes bytes, const std::string& file_na
 
 const ImportedTable& choose_table(const std::vector<ImportedTable>& tables, std::optional<std::size_t> index,
                                   std::optional<int> camera, const std::string& file_name) {
-  if (index && *index < tables.size()) return tables[*index];
+  const auto not_empty = [&](const ImportedTable& table) -> const ImportedTable& {
+    if (is_empty(table.table)) refuse_empty(file_name + ", " + table.name);
+    return table;
+  };
+  if (index && *index < tables.size()) return not_empty(tables[*index]);
   std::vector<const ImportedTable*> fitting;
   for (const ImportedTable& table : tables) {
     if (!index && (!camera || table.camera == camera)) fitting.push_back(&table);
   }
-  if (fitting.size() == 1) return *fitting.front();
+  if (fitting.size() == 1) return not_empty(*fitting.front());
   std::string names;
   for (std::size_t i = 0; i < tables.size(); ++i)
     names += fmt::format("{}{}: {}", names.empty() ? "" : ", ", i, tables[i].name);

@@ -62,19 +62,46 @@ std::uint16_t number_at(std::span<const std::byte> bytes, std::size_t offset) {
                                     std::to_integer<unsigned>(bytes[offset + 1]));
 }
 
-/// Removes the IP and UDP headers from a packet. The UDP checksum is not compared: packets from this computer
-/// have none yet, and the network cards check those from others.
-std::optional<GroupSocket::Datagram> without_headers(std::span<const std::byte> packet,
-                                                     const address_v4& from) {
-  constexpr std::size_t kWordBytes = 4;
+/// The sum of 16-bit words that IP and UDP use.
+std::uint32_t sum_of(std::span<const std::byte> bytes, std::uint32_t sum = 0) {
+  for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) {
+    sum += number_at(bytes, i);
+    sum = (sum & 0xFFFF) + (sum >> 16);
+  }
+  if (bytes.size() % 2 == 1) sum += std::to_integer<std::uint32_t>(bytes.back()) << 8;
+  return (sum & 0xFFFF) + (sum >> 16);
+}
+
+/// Whether a UDP datagram's checksum is right, missing, or not complete yet, as in packets of this computer
+/// and of virtual machines: those have only the sum of the addresses, protocol and length.
+bool is_intact(std::span<const std::byte> ip_header, std::span<const std::byte> datagram) {
+  constexpr std::size_t kAddressesOffset = 12, kAddressesBytes = 8, kSumOffset = 6;
+  const std::uint32_t sum = number_at(datagram, kSumOffset);
+  const std::uint32_t partial = sum_of(ip_header.subspan(kAddressesOffset, kAddressesBytes),
+                                       IPPROTO_UDP + static_cast<std::uint32_t>(datagram.size()));
+  return sum == 0 || sum == partial || sum_of(datagram, partial) == 0xFFFF;
+}
+
+/// Removes the IP and UDP headers from a packet. None if it is damaged, or is to another address or port:
+/// such packets arrive before a raw socket has its filter.
+std::optional<GroupSocket::Datagram> without_headers(std::span<const std::byte> packet, const address_v4& to,
+                                                     int port) {
+  constexpr std::size_t kWordBytes = 4, kFromOffset = 12, kToOffset = 16, kLeastIpBytes = 20;
   if (packet.empty()) return std::nullopt;
   const std::size_t ip_bytes = (std::to_integer<std::size_t>(packet[0]) & 0xF) * kWordBytes;
-  if (packet.size() < ip_bytes + kUdpHeaderBytes) return std::nullopt;
-  const std::span<const std::byte> datagram = packet.subspan(ip_bytes);
+  if (ip_bytes < kLeastIpBytes || packet.size() < ip_bytes + kUdpHeaderBytes) return std::nullopt;
+  const auto address_at = [&](std::size_t offset) {
+    return address_v4(std::uint32_t{number_at(packet, offset)} << 16 | number_at(packet, offset + 2));
+  };
+  std::span<const std::byte> datagram = packet.subspan(ip_bytes);
   const std::size_t bytes = number_at(datagram, 4);
-  if (bytes < kUdpHeaderBytes || bytes > datagram.size()) return std::nullopt;
-  return GroupSocket::Datagram{datagram.subspan(kUdpHeaderBytes, bytes - kUdpHeaderBytes),
-                               udp::endpoint(from, number_at(datagram, 0))};
+  if (address_at(kToOffset) != to || number_at(datagram, 2) != port || bytes < kUdpHeaderBytes ||
+      bytes > datagram.size())
+    return std::nullopt;
+  datagram = datagram.first(bytes);
+  if (!is_intact(packet, datagram)) return std::nullopt;
+  return GroupSocket::Datagram{datagram.subspan(kUdpHeaderBytes),
+                               udp::endpoint(address_at(kFromOffset), number_at(datagram, 0))};
 }
 
 unsigned card_in(msghdr& message) {
@@ -90,7 +117,7 @@ unsigned card_in(msghdr& message) {
 }  // namespace
 
 GroupSocket::GroupSocket(asio::io_context& io, const address_v4& address, int port, const std::string& card)
-    : address_(address), socket_(io) {
+    : address_(address), port_(port), socket_(io) {
   const int raw = raw_socket(port);
   is_raw_ = raw >= 0;
   if (is_raw_) {
@@ -100,8 +127,9 @@ GroupSocket::GroupSocket(asio::io_context& io, const address_v4& address, int po
     socket_.set_option(udp::socket::reuse_address(true));
   }
   const int number = socket_.native_handle();
-  set_option(number, IPPROTO_IP, IP_MULTICAST_ALL, 0);
-  set_option(number, IPPROTO_IP, IP_PKTINFO, 1);
+  const int off = 0, on = 1;  // some emulators know neither option
+  setsockopt(number, IPPROTO_IP, IP_MULTICAST_ALL, &off, sizeof off);
+  setsockopt(number, IPPROTO_IP, IP_PKTINFO, &on, sizeof on);
   if (!card.empty() &&
       setsockopt(number, SOL_SOCKET, SO_BINDTODEVICE, card.c_str(), static_cast<socklen_t>(card.size())) != 0)
     throw std::system_error(errno, std::generic_category(), card);
@@ -148,9 +176,10 @@ std::optional<GroupSocket::Datagram> GroupSocket::read(std::span<std::byte> buff
                     : boost::system::error_code();
   if (bytes < 0) return std::nullopt;
   const std::span<const std::byte> received = buffer.first(static_cast<std::size_t>(bytes));
-  const address_v4 address(ntohl(from.sin_addr.s_addr));
-  auto datagram = is_raw_ ? without_headers(received, address)
-                          : Datagram{received, udp::endpoint(address, ntohs(from.sin_port))};
+  auto datagram =
+      is_raw_
+          ? without_headers(received, address_, port_)
+          : Datagram{received, udp::endpoint(address_v4(ntohl(from.sin_addr.s_addr)), ntohs(from.sin_port))};
   if (datagram) datagram->card = card_in(message);
   return datagram;
 }

@@ -51,6 +51,7 @@ class GroupSocket {
 
  private:
   boost::asio::ip::address_v4 address_;
+  int port_;
   boost::asio::ip::udp::socket socket_;
   bool is_raw_;
 };

@@ -58,6 +58,9 @@ bool HeardCameras::hear(const VisionMessage& message, const std::string& address
                         double unix_s, ArrivedSightings& out) {
   forget(now_s);
   note_places(message, address, is_named, now_s);
+  if (message.field || !message.cameras.empty()) {
+    for (auto& [key, wait] : without_place_) wait.geometry_came |= key.first == address;
+  }
   if (!message.detection) return false;
   const CameraSightings& image = message.detection->arrived.image;
   const Key key{address, image.camera};
@@ -108,7 +111,8 @@ std::vector<HeardCameras::Conflict> HeardCameras::conflicts(double now_s) const 
 std::vector<HeardCameras::Uncalibrated> HeardCameras::uncalibrated(double now_s) const {
   std::vector<Uncalibrated> out;
   for (const auto& [key, wait] : without_place_) {
-    if (now_s - wait.heard_s <= kForgottenAfter_s && now_s - wait.since_s >= kCalibrationAfter_s)
+    if (now_s - wait.heard_s <= kForgottenAfter_s &&
+        (wait.geometry_came || now_s - wait.since_s > kPlaceForgottenAfter_s))
       out.push_back({key.second, key.first});
   }
   return out;

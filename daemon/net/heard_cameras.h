@@ -57,8 +57,8 @@ class HeardCameras {
   /// The conflicts of the last kForgottenAfter_s. Lists conflicts with named computers first, so that
   /// conflicts with unnamed computers cannot hide them.
   std::vector<Conflict> conflicts(double now_s) const;
-  /// Cameras of named computers that have been heard for kCalibrationAfter_s without their calibration, so
-  /// they cannot be tracked.
+  /// Cameras of named computers that cannot be tracked, because their computer's geometry packets lack them, or are
+  /// not received at all.
   struct Uncalibrated {
     int camera = 0;
     std::string address;
@@ -76,8 +76,6 @@ class HeardCameras {
 
   /// After this time without a packet, another vision may take over the camera's id.
   static constexpr double kForgottenAfter_s = 2;
-  /// Visions send geometry packets more often than this by default.
-  static constexpr double kCalibrationAfter_s = 5;
   /// The interval of geometry packets is at most a minute.
   static constexpr double kPlaceForgottenAfter_s = 61;
 
@@ -103,6 +101,7 @@ class HeardCameras {
   std::map<Key, std::pair<double, Conflict>> conflicts_;  // limited like places_, which contains all keys
   struct Wait {
     double since_s, heard_s;
+    bool geometry_came = false;
   };
   std::map<Key, Wait> without_place_;  // of named computers, so limited
 };

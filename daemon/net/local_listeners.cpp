@@ -132,6 +132,11 @@ LocalListeners local_listeners(const address_v4& group, int port) {
       if (!own.contains(socket.inode)) out.others.push_back(std::move(socket));
     }
   }
+  // Raw sockets have no port; services of this program receive through them.
+  for (ListeningSocket& socket : listening_sockets(proc_text("/proc/net/raw"), group, IPPROTO_UDP)) {
+    if (socket.address == group.to_string() && !own.contains(socket.inode))
+      out.others.push_back(std::move(socket));
+  }
   out.memberships = group_memberships(proc_text("/proc/net/igmp"), group);
   return out;
 }

@@ -11,7 +11,7 @@
 
 namespace sslv {
 
-/// A UDP socket of this computer that receives packets to a group and port.
+/// A UDP or raw socket of this computer that receives packets to a group and port.
 struct ListeningSocket {
   std::string address;  // bound address: the group, "0.0.0.0" or "::"
   std::uint32_t user_id = 0;

@@ -2,6 +2,7 @@
 #include "recording/match_log_convert.h"
 
 #include "base/error.h"
+#include "base/log.h"
 #include "recording/match_log_index.h"
 #include "recording/match_log_reader.h"
 #include "recording/match_log_writer.h"
@@ -15,9 +16,13 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 namespace sslv {
 namespace {
+
+namespace fs = std::filesystem;
 
 /// An unpacked log as the league's own tools write it.
 class PlainLog {
@@ -71,12 +76,9 @@ ConvertedMatchLog copy_messages(MatchLogReader& reader, Add add) {
   return out;
 }
 
-}  // namespace
-
-ConvertedMatchLog convert_match_log(const std::filesystem::path& from, const std::filesystem::path& to) {
-  const std::string name = to.string();
+ConvertedMatchLog write_log(const fs::path& from, const fs::path& to, bool is_packed) {
   MatchLogReader reader(from);
-  if (name.ends_with(".log.gz")) {
+  if (is_packed) {
     MatchLogWriter writer(to);
     auto out = copy_messages(reader, [&](const LoggedMessage& message) {
       writer.add(message.time_ns, message.type, message.bytes);
@@ -84,31 +86,69 @@ ConvertedMatchLog convert_match_log(const std::filesystem::path& from, const std
     writer.finish();
     return out;
   }
-  if (!name.ends_with(".log"))
-    throw StorageError(fmt::format("{}: expected a name that ends with .log or .log.gz", name));
-  if (std::filesystem::exists(to)) throw StorageError(fmt::format("{}: already exists", name));
   PlainLog plain(to);
   auto out = copy_messages(reader, [&](const LoggedMessage& message) { plain.add(message); });
   plain.finish();
   return out;
 }
 
-std::optional<ConvertedMatchLog> rewrite_match_log(const std::filesystem::path& log) {
-  namespace fs = std::filesystem;
-  if (make_match_log_index(log).problem.empty()) return std::nullopt;
-  const fs::path damaged = log.string() + ".damaged",
-                 rewritten = log.parent_path() / ("rewritten." + log.filename().string());
+std::string problem_of(const fs::path& log) {
+  MatchLogReader reader(log);
+  for (LoggedMessage message; reader.next(message);) {
+  }
+  return reader.problem();
+}
+
+/// Gives `to` the mode and, if permitted, the owner of `from`.
+void copy_rights(const fs::path& from, const fs::path& to) {
+  struct stat about {};
+  if (::stat(from.c_str(), &about) != 0) return;
+  constexpr mode_t kRights = 0777;
+  ::chmod(to.c_str(), about.st_mode & kRights);
+  if (::chown(to.c_str(), about.st_uid, about.st_gid) != 0)
+    log::info("{}: belongs to you now", from.string());
+}
+
+}  // namespace
+
+ConvertedMatchLog convert_match_log(const fs::path& from, const fs::path& to) {
+  const std::string name = to.string();
+  if (!name.ends_with(".log") && !name.ends_with(".log.gz"))
+    throw StorageError(fmt::format("{}: expected a name that ends with .log or .log.gz", name));
+  if (fs::exists(to)) throw StorageError(fmt::format("{}: already exists", name));
+  return write_log(from, to, name.ends_with(".log.gz"));
+}
+
+std::string repair_any_log(const fs::path& log) {
+  const fs::path damaged = log.string() + ".damaged", rewritten = log.string() + ".rewritten";
   if (fs::exists(damaged)) throw StorageError(fmt::format("{}: already exists", damaged.string()));
-  const ConvertedMatchLog out = convert_match_log(log, rewritten);
-  const auto rename = [](const fs::path& from, const fs::path& to) {
-    std::error_code error;
-    fs::rename(from, to, error);
-    if (error) throw StorageError(fmt::format("{}: cannot be renamed: {}", from.string(), error.message()));
+  const std::string problem = problem_of(log);
+  if (problem.empty()) return "is whole";
+  const auto remove = [&] {
+    std::error_code ignored;
+    for (const fs::path& one : {rewritten, index_file_of(rewritten)}) fs::remove(one, ignored);
   };
-  rename(log, damaged);
-  rename(rewritten, log);
-  if (fs::exists(index_file_of(rewritten))) rename(index_file_of(rewritten), index_file_of(log));
-  return out;
+  remove();
+  try {
+    fs::copy_file(log, rewritten);
+    if (repair_match_log(rewritten).is_other) {
+      remove();
+      write_log(log, rewritten, log.extension() == ".gz");
+    }
+    copy_rights(log, rewritten);
+    fs::rename(log, damaged);
+    fs::rename(rewritten, log);
+  } catch (const fs::filesystem_error& error) {
+    remove();
+    throw StorageError(fmt::format("{}: {}", log.string(), error.code().message()));
+  } catch (...) {
+    remove();
+    throw;
+  }
+  remove();  // the index, which has the other name
+  std::error_code ignored;
+  fs::remove(index_file_of(log), ignored);  // it is made again
+  return fmt::format("was repaired ({}); the damaged file is {}", problem, damaged.string());
 }
 
 }  // namespace sslv

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 
 namespace sslv {
@@ -18,8 +17,10 @@ struct ConvertedMatchLog {
 /// must not exist. Throws StorageError.
 ConvertedMatchLog convert_match_log(const std::filesystem::path& from, const std::filesystem::path& to);
 
-/// Replaces a damaged log of another program by a new one with all messages that can be read, and keeps the
-/// damaged file as NAME.damaged, which must not exist. None if the log is whole. Throws StorageError.
-std::optional<ConvertedMatchLog> rewrite_match_log(const std::filesystem::path& log);
+/// Replaces a damaged log by one with all messages that can be read, and keeps the damaged file as
+/// NAME.damaged, which must not exist. Of a log that a MatchLogWriter did not finish, only flushed messages
+/// are kept, because the rest may be wrong. Returns what was done, in words. Throws StorageError; the log is
+/// then unchanged.
+std::string repair_any_log(const std::filesystem::path& log);
 
 }  // namespace sslv

@@ -72,16 +72,21 @@ bool MatchLogReader::read_header() {
   std::array<std::byte, kMessageHeaderBytes> bytes{};
   std::size_t count = 0;
   MessageHeader header;
-  do {
+  constexpr int kMostWithoutMessages = 8;  // a bomb of empty logs must not keep this thread
+  for (int i = 0;; ++i) {
     offset = file_.offset();
     count = file_.read(bytes);
     header = read_message_header(bytes);
-    if (count == bytes.size() && header.type == LoggedMessage::kIndex &&
-        (header.size < 0 || !skip(static_cast<std::uint64_t>(header.size)))) {
-      is_at_end_ = true;
-      return false;
-    }
-  } while (count == bytes.size() && (bytes == log_header() || header.type == LoggedMessage::kIndex));
+    const bool is_index = header.type == LoggedMessage::kIndex;
+    if (count < bytes.size() || (!is_index && bytes != log_header())) break;
+    if (i == kMostWithoutMessages) return stop("has many logs without messages");
+    if (!is_index) continue;
+    // An index has 8 bytes for each message, and a message at least 16.
+    const auto index_bytes = static_cast<std::uint64_t>(std::max(0, header.size));
+    if (header.size < 0 || index_bytes > offset / 2 + kMaxMessageBytes)
+      return stop(fmt::format("the index after message {} is larger than its log", messages_));
+    if (!skip(index_bytes)) return stop(fmt::format("the index after message {} is cut off", messages_));
+  }
   if (count < bytes.size()) {
     is_at_end_ = true;
     if (count == 0 && file_.problem().empty()) return false;

@@ -208,12 +208,17 @@ class MessageEnds {
   }
   /// Whether the bytes so far end at the end of a message or of the file's header.
   bool is_end() const { return is_good_ && left_ == 0 && head_bytes_ == 0; }
+  /// Number of logs that have begun.
+  std::size_t logs() const { return logs_; }
 
  private:
   void read_head() {
     head_bytes_ = 0;
     const bool is_first = std::exchange(is_first_, false);
-    if (head_ == log_header()) return;  // also where another log follows
+    if (head_ == log_header()) {  // also where another log follows
+      ++logs_;
+      return;
+    }
     const MessageHeader header = read_message_header(head_);
     is_good_ = !is_first && header.size >= 0 && header.type >= 0 && is_log_time(header.time_ns) &&
                (header.size <= kMaxMessageBytes || header.type == LoggedMessage::kIndex);
@@ -222,7 +227,7 @@ class MessageEnds {
 
   static_assert(kLogHeaderBytes == kMessageHeaderBytes);
   std::array<std::byte, kMessageHeaderBytes> head_{};
-  std::size_t head_bytes_ = 0, left_ = 0;
+  std::size_t head_bytes_ = 0, left_ = 0, logs_ = 0;
   bool is_first_ = true, is_good_ = true;
 };
 
@@ -262,9 +267,11 @@ class BlockReader {
       if (stop.stop_requested()) throw StorageError(fmt::format("{}: was not read to its end", name_));
       zlib_.next_out = output_.data();
       zlib_.avail_out = static_cast<uInt>(output_.size());
+      const std::size_t logs = ends.logs();
       const int result = inflate(&zlib_, Z_BLOCK);
       const std::span<const Bytef> got(output_.data(), output_.size() - zlib_.avail_out);
       if ((result != Z_OK && result != Z_STREAM_END && result != Z_BUF_ERROR) || !ends.take(got)) break;
+      if (ends.logs() != logs) whole.has_flushes = false;
       now.sum = static_cast<std::uint32_t>(crc32(now.sum, got.data(), static_cast<uInt>(got.size())));
       now.size += static_cast<std::uint32_t>(got.size());
       unpacked_bytes += got.size();
@@ -323,7 +330,7 @@ RepairedMatchLog repair_match_log(const fs::path& path, const std::stop_token& s
   if (!fs::is_regular_file(path)) throw StorageError(fmt::format("{}: is not a file", path.string()));
   const WholePart whole = BlockReader(path).read(stop);
   const std::uint64_t size = fs::file_size(path);
-  if (whole.end == size && !whole.is_in_member) return {};
+  if (size > 0 && whole.end == size && !whole.is_in_member) return {};
   if (!whole.has_flushes) return {.was_whole = false, .is_other = true};
   OutputFile file(path, O_WRONLY | O_CLOEXEC);
   file.cut(whole.end);

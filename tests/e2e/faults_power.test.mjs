@@ -3,7 +3,7 @@
 // file can always be read. Only ./run faults, on an otherwise idle machine, checks that at most one second is missing.
 import assert from 'node:assert/strict';
 import { execFileSync, spawn } from 'node:child_process';
-import { closeSync, copyFileSync, existsSync, mkdirSync, openSync, readdirSync, readFileSync, writeFileSync, writeSync } from 'node:fs';
+import { closeSync, copyFileSync, existsSync, mkdirSync, openSync, readdirSync, readFileSync, rmSync, writeFileSync, writeSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { after, describe, it } from 'node:test';
 import { setTimeout as pause } from 'node:timers/promises';
@@ -190,6 +190,7 @@ describe('a match log while the power fails', () => {
         const there = join(service.folder, 'after_cut.log.gz');
         copyFileSync(join(folder, 'recordings', name), there);
         execFileSync(CTL, ['match-log', 'repair', there], { stdio: 'pipe' });
+        rmSync(`${there}.damaged`, { force: true });
         lost_ms.push(missingOf(timesIn(there), written, cut_s) * 1000);
       } finally {
         unmount();

@@ -5,6 +5,7 @@
 #include "e2e/calibration_points.h"
 #include "e2e/running_daemon.h"
 #include "ssl_gc_referee_message.pb.h"
+#include "support/becomes.h"
 #include "support/paths.h"
 
 #include <algorithm>
@@ -63,6 +64,18 @@ class JointCalibration : public DaemonTest {
     return daemon.wait_for(
         kPath, [](const Json& s) { return s["state"] != "collecting" && s["state"] != "solving"; });
   }
+  /// Calibrates until both cameras have seen robots at the same moments, which takes longer on a busy
+  /// computer.
+  static Json calibrate_with_robots(RunningDaemon& daemon, const Json& request) {
+    Json done;
+    EXPECT_TRUE(becomes([&] {
+      daemon.post(kPath, request, 202);
+      done = wait_for_end(daemon);
+      return done["ties"] > kFewTies;
+    })) << done.dump(2);
+    return done;
+  }
+  static constexpr int kFewTies = 3;
   static Json in_settings(const RunningDaemon& daemon) {
     const Json settings = daemon.get("/api/settings");
     Json out = Json::array();
@@ -119,12 +132,13 @@ TEST_F(JointCalibration, CamerasAgreeOnceItIsAccepted) {
   EXPECT_EQ(started["state"], "collecting");
   EXPECT_EQ(started["request"]["cameras"], Json::array({0, 1}));
   EXPECT_EQ(started["who"], "127.0.0.1");
-  const Json done = wait_for_end(daemon);
+  Json done = wait_for_end(daemon);
   ASSERT_EQ(done["state"], "done") << done.dump(2);
+  if (done["ties"] <= kFewTies) done = calibrate_with_robots(daemon, {{"seconds", 6}});
   const Json& report = done["report"];
   EXPECT_EQ(report["accepted"], true) << report.dump(2);
   EXPECT_EQ(done["frames_taken"], 10);
-  EXPECT_GT(report["ties"], 3) << report.dump(2);
+  EXPECT_GT(report["ties"], kFewTies) << report.dump(2);
   EXPECT_GT(report["on_floor"]["before_mm"], 10);
   EXPECT_LT(report["on_floor"]["after_mm"], 0.5);
   EXPECT_GT(report["of_robots"]["before_mm"], 10);
@@ -280,8 +294,7 @@ TEST_F(JointCalibration, APoorResultIsAcceptedOnlyByForce) {
   // The robot heights are set too low: the robots' positions would agree only if the cameras were lower.
   daemon.patch(Json::array({{{"op", "replace"}, {"path", "/teams/yellow/robot_height"}, {"value", 110}},
                             {{"op", "replace"}, {"path", "/teams/blue/robot_height"}, {"value", 110}}}));
-  daemon.post(kPath, {{"seconds", 6}, {"frames", 3}}, 202);
-  const Json done = wait_for_end(daemon);
+  const Json done = calibrate_with_robots(daemon, {{"seconds", 6}, {"frames", 3}});
   ASSERT_EQ(done["report"]["found"], true) << done.dump(2);
   ASSERT_EQ(done["report"]["accepted"], false) << done.dump(2);
   EXPECT_THAT(daemon.post(kAccept, Json::object(), 409)["error"].get<std::string>(),

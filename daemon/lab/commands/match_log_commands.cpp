@@ -8,7 +8,6 @@
 #include "net/tracker_settings.h"
 #include "recording/match_log_convert.h"
 #include "recording/match_log_player.h"
-#include "recording/match_log_writer.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -50,22 +49,11 @@ void add_file_commands(CommandLine& line, CLI::App* group) {
     return EXIT_FAILURE;
   });
 
-  auto* repair = group->add_subcommand(
-      "repair", "make an unfinished or damaged log whole; of other programs' logs, the damaged file is kept");
+  auto* repair =
+      group->add_subcommand("repair", "make an unfinished or damaged log whole, and keep the damaged file");
   repair->add_option("log", o->log, "the log")->required();
   line.on(repair, [o] {
-    const RepairedMatchLog done = repair_match_log(o->log);
-    if (done.is_other) {
-      const auto rewritten = rewrite_match_log(o->log);
-      std::cout << (rewritten ? fmt::format("{}\n{} messages were kept; the damaged file is {}.damaged\n",
-                                            rewritten->problem, rewritten->messages, o->log.string())
-                              : std::string("is whole\n"));
-    } else if (done.was_whole) {
-      std::cout << "is whole\n";
-    } else {
-      std::cout << fmt::format("was repaired; {} bytes at its end were written incompletely and removed\n",
-                               done.removed_bytes);
-    }
+    std::cout << repair_any_log(o->log) << "\n";
     return EXIT_SUCCESS;
   });
 }

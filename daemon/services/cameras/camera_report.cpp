@@ -304,38 +304,39 @@ Check check_pictures(std::span<const CameraFacts> cameras) {
 void report_latency(std::span<const CameraFacts> cameras, HealthReport& report) {
   Check check{"latency", "Latency", CheckState::kUnknown, kNoFigure, "", kNoneRuns};
   constexpr std::uint64_t kMinImages = 100;
-  double worst_ms = 0;
-  bool is_known = false;
-  const StageFigures* slowest = nullptr;  // the slowest stage, if it takes over half of the allowed time
+  const CameraFacts* worst = nullptr;
   for (const CameraFacts& camera : cameras) {
-    if (!is_running(camera) || camera.latency_images < kMinImages) continue;
-    is_known = true;
-    worst_ms = std::max(worst_ms, camera.latency_p99_ms);
-    for (const StageFigures& stage : camera.stages) {
-      if (stage.mean_ms > std::max(kLateAfter_ms / 2, slowest ? slowest->mean_ms : 0)) slowest = &stage;
-    }
+    if (!is_running(camera)) continue;
+    if (!worst) check.text = fmt::format("known after {} images", kMinImages);
+    if (camera.latency_images < kMinImages) continue;
+    if (!worst || camera.latency_p99_ms > worst->latency_p99_ms) worst = &camera;
   }
-  if (!is_known) {
-    if (running(cameras) != 0) check.text = fmt::format("known after {} images", kMinImages);
+  if (!worst) {
     report.checks.push_back(std::move(check));
     return;
   }
-  check.state = CheckState::kPass;
+  const double worst_ms = worst->latency_p99_ms;
+  const bool is_late = worst_ms > kLateAfter_ms, is_too_late = worst_ms > kTooLateAfter_ms;
+  check.state = is_too_late ? CheckState::kFail : is_late ? CheckState::kWarn : CheckState::kPass;
   check.value = fmt::format("{:.2f}", worst_ms);
   check.unit = "ms";
   check.text = fmt::format("p99, limit {:g} ms", kLateAfter_ms);
   report.checks.push_back(std::move(check));
-  // Where images are lost, the alert about them names the cause.
-  const bool are_lost = std::ranges::any_of(report.alerts, [](const Alert& alert) {
-    return alert.id == "frames_dropped" || alert.id == "stage_slow";
+  // Where this camera's images are lost, the alert about them names the cause.
+  const bool are_lost = std::ranges::any_of(report.alerts, [&](const Alert& alert) {
+    return alert.camera == worst->id && (alert.id == "frames_dropped" || alert.id == "stage_slow");
   });
-  if (worst_ms <= kLateAfter_ms || (are_lost && worst_ms <= kTooLateAfter_ms)) return;
+  if (!is_late || (are_lost && !is_too_late)) return;
+  const StageFigures* slowest = nullptr;  // the slowest stage, if it takes over half of the allowed time
+  for (const StageFigures& stage : worst->stages) {
+    if (stage.mean_ms > std::max(kLateAfter_ms / 2, slowest ? slowest->mean_ms : 0)) slowest = &stage;
+  }
   report.alerts.push_back(
       {.id = "latency_high",
        .check = "latency",
-       .severity = worst_ms > kTooLateAfter_ms ? Severity::kBad : Severity::kWarn,
+       .severity = is_too_late ? Severity::kBad : Severity::kWarn,
        .title = fmt::format("Detections leave late: one image in 100 takes more than {:g} ms",
-                            worst_ms > kTooLateAfter_ms ? kTooLateAfter_ms : kLateAfter_ms),
+                            is_too_late ? kTooLateAfter_ms : kLateAfter_ms),
        .fix = slowest ? fmt::format("Reduce the work of {}, which takes {:.1f} ms an image.",
                                     stage_text(slowest->name, slowest->library), slowest->mean_ms)
                       : "Close other programs on this computer, or lower the cameras' rates.",

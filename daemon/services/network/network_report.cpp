@@ -51,10 +51,11 @@ void add_vision_alerts(HealthReport& report, const NetworkFacts& facts) {
     }
     if (shared_ids.empty() && conflicts.empty() && !other.is_named) {
       add(unnamed, "vision_other", Severity::kInfo,
-          fmt::format("{} also sends {}", other.address,
-                      other.cameras.empty() ? "the field's geometry to the vision group"
-                                            : "to the vision group; its cameras are shown, but not used for "
-                                              "tracks"),
+          fmt::format("{} also sends {}to the vision group{}", other.address,
+                      !other.cameras.empty() ? ""
+                      : other.field          ? "a geometry "
+                                             : "other messages ",
+                      other.cameras.empty() ? "" : "; its cameras are shown, but not used for tracks"),
           fmt::format(
               "If it is a computer of this field, add {} to field/other_computers; otherwise stop it.",
               other.address),

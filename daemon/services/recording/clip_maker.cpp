@@ -30,12 +30,6 @@ std::int64_t to_ns(double steady_s) {
   return std::llround(steady_s * 1e9);
 }
 
-/// Only clips requested by a user or after a crash may remove match logs, because anybody on the network can
-/// trigger goals and alerts.
-RoomFor room_for(const ClipOrder& order) {
-  return order.kind == kKeptClip || order.kind == kCrashClip ? RoomFor::kWantedClip : RoomFor::kOtherClip;
-}
-
 }  // namespace
 
 struct ClipMaker::Work {
@@ -74,7 +68,7 @@ ClipProgress ClipMaker::make(const ClipOrder& order, std::vector<LastSeconds::Ri
     double bytes = 0;
     for (const ClipCamera& camera : work.cameras) bytes += camera.expected_bytes(order.end_s - steady_s());
     const auto config = config_.load();
-    files_.make_room(config->recording, room_for(order), events_, static_cast<std::uint64_t>(bytes));
+    files_.make_room(config->recording, RoomFor::kClip, events_, static_cast<std::uint64_t>(bytes));
     file = files_.begin(order.name, RecordingFile::Kind::kClip);
     work.progress.file = file.filename().string();
     const double ahead_s = unix_time_s() - steady_s();  // offset from steady to Unix time
@@ -123,7 +117,7 @@ void ClipMaker::write(Work& work, const std::stop_token& stop) {
       is_more = write_next(work);
       if (work.writer->bytes() - work.checked_bytes < kCheckDiskEvery) continue;
       work.checked_bytes = work.writer->bytes();
-      files_.make_room(config_.load()->recording, room_for(work.order), events_);
+      files_.make_room(config_.load()->recording, RoomFor::kClip, events_);
     }
     if (work.hooks.wait) work.hooks.wait();
     // Return only if the last hold() was called after the waiting time for late frames.

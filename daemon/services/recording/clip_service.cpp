@@ -79,9 +79,7 @@ void ClipService::work(const std::stop_token& stop) {
       write(*order, stop);
     } else if (steady_s() - shared_s >= kShareInterval_s) {
       shared_s = steady_s();
-      const RecordingSettings settings = config_.load()->recording;
-      last_seconds_.look(settings.last_seconds, settings.clips.seconds + settings.clips.seconds_after,
-                         steady_s(), stop);
+      last_seconds_.look(config_.load()->recording, steady_s(), stop);
     }
   }
 }
@@ -138,6 +136,7 @@ void ClipService::see_alerts(const std::vector<Alert>& alerts) {
       double& made_s = clipped_.emplace(alert.id, -1e9).first->second;
       const bool may = steady_s() - made_s >= kAlertAgain_s;
       if (may) made_s = steady_s();
+      if (alert.severity != Severity::kInfo) trouble_ = {unix_time_s(), "alert", alert.title};
       added.emplace_back(&alert, may);
     }
     alerts_ = std::move(now);
@@ -330,11 +329,19 @@ Json ClipService::to_json() const {
           {"clips", std::move(clips)}};
 }
 
-/// The text of the newest event of the last `seconds`; empty if there was none.
+/// What happened in the last `seconds`: a goal, else an alert, else a command, always the newest; empty:
+/// nothing.
 std::string ClipService::last_event(double seconds) const {
+  const double since_s = unix_time_s() - seconds;
   const std::lock_guard lock(mutex_);
-  const bool is_there = !recent_.empty() && recent_.back().time_s >= unix_time_s() - seconds;
-  return is_there ? recent_.back().text : std::string();
+  const auto newest = [&](const char* kind) {
+    const auto found = std::find_if(recent_.rbegin(), recent_.rend(), [&](const ClipEvent& event) {
+      return event.time_s >= since_s && event.kind == kind;
+    });
+    return found == recent_.rend() ? std::string() : found->text;
+  };
+  if (std::string goal = newest("goal"); !goal.empty()) return goal;
+  return trouble_.time_s >= since_s ? trouble_.text : newest("command");
 }
 
 Response ClipService::make_clip(const Request& request) {
@@ -351,7 +358,7 @@ Response ClipService::make_clip(const Request& request) {
     return body[key].get<double>();
   };
   const double before_s = number("seconds", 0.5, settings.seconds), after_s = number("seconds_after", 0, 0);
-  // Without a name, the last event in this time gives one.
+  // Without a name, what happened in this time gives one.
   const std::string event = last_event(before_s);
   const std::string name = body.contains("name") ? asked_name(body)
                            : event.empty()       ? "by_hand"

@@ -79,6 +79,7 @@ class ClipService final : public Service {
   std::string crash_;             // message about a crash and its clip; empty: no crash
   double crash_s_ = 0;            // when crash_ was set, on the steady clock
   std::deque<ClipEvent> recent_;  // recent events, for clips
+  ClipEvent trouble_{};           // the newest alert that is not only information
   std::set<std::string> alerts_;  // keys of the active alerts
   std::map<std::string, double>
       clipped_;  // alert id -> when a clip was last made for it, on the steady clock

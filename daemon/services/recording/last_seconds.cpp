@@ -30,6 +30,8 @@ constexpr int kUnevenAtMost = 5;
 constexpr double kMayDiffer = 0.3;
 /// Memory for a clip, relative to the measured data rates, which vary.
 constexpr double kMoreThanMeasured = 1.1;
+/// Clips that fit into the quota of recordings, if the settings give no size of the memory.
+constexpr std::uint64_t kClipsInQuota = 4;
 /// Usable fraction of the available memory; the rest is for the service and the computer.
 constexpr double kOfWhatIsLeft = 0.5;
 
@@ -121,8 +123,8 @@ void LastSeconds::publish(const std::map<int, Known>& known) {
   known_.swap(before);
 }
 
-void LastSeconds::look(const LastSecondsSettings& settings, double clip_s, double now_s,
-                       const std::stop_token& stop) {
+void LastSeconds::look(const RecordingSettings& recording, double now_s, const std::stop_token& stop) {
+  const LastSecondsSettings& settings = recording.last_seconds;
   std::map<int, Known> known = known_;  // no lock: only this thread changes known_
   measure(known, now_s);
   publish(known);
@@ -134,10 +136,11 @@ void LastSeconds::look(const LastSecondsSettings& settings, double clip_s, doubl
     ours += one.ring ? one.ring->bytes() : 0;
     if (one.is_kept()) all_per_s += one.bytes_per_s / settings.kept_every();
   }
+  const double clip_s = recording.clips.seconds + recording.clips.seconds_after;
   const std::uint64_t wanted = settings.memory_mb
                                    ? static_cast<std::uint64_t>(*settings.memory_mb) * kMb
                                    : static_cast<std::uint64_t>(kMoreThanMeasured * all_per_s * clip_s);
-  const auto may = static_cast<std::uint64_t>(
+  auto may = static_cast<std::uint64_t>(
       kOfWhatIsLeft * (static_cast<double>(ours) + static_cast<double>(memory_left_bytes())));
   std::string problem;
   if (settings.memory_mb && wanted > may) {
@@ -145,10 +148,16 @@ void LastSeconds::look(const LastSecondsSettings& settings, double clip_s, doubl
         "only {} MB of memory are available for them, not the {} MB of /recording/last_seconds/memory_mb",
         may / kMb, *settings.memory_mb);
   }
+  if (!settings.memory_mb) {
+    // A clip must fit into its share of the disk.
+    may = std::min(may, static_cast<std::uint64_t>(recording.quota_mb) * kMb / kClipsInQuota);
+    // Memory that other programs free is used only if it is much, because resizing loses images.
+    if (ours > 0 && ours <= may && may < 2 * ours && wanted > may) may = ours;
+  }
   {
     const std::lock_guard lock(mutex_);
     settings_ = settings;
-    wanted_bytes_ = wanted;
+    wanted_bytes_ = settings.memory_mb || wanted > may ? wanted : 0;
   }
   try {
     share_out(known, std::min(wanted, may), stop);
@@ -243,7 +252,6 @@ LastSeconds::Status LastSeconds::status() const {
   Status out;
   const std::lock_guard lock(mutex_);
   out.settings = settings_;
-  out.wanted_bytes = wanted_bytes_;
   out.problem = problem_;
   for (const auto& [id, known] : known_) {
     CameraStatus one{.id = id};
@@ -257,6 +265,7 @@ LastSeconds::Status LastSeconds::status() const {
     }
     out.cameras.push_back(one);
   }
+  out.wanted_bytes = std::max(wanted_bytes_, out.bytes);
   return out;
 }
 

@@ -30,10 +30,9 @@ class LastSeconds {
   explicit LastSeconds(Cameras& cameras) : cameras_(cameras) {}
 
   /// Call it regularly, but not while a ring is read. Divides the memory again when cameras, their highest
-  /// data rates or settings have changed; rings whose size changes lose their images. `clip_s`: seconds to
-  /// keep if the settings have no size. `now_s`: on the steady clock.
-  void look(const LastSecondsSettings& settings, double clip_s, double now_s = steady_s(),
-            const std::stop_token& stop = {});
+  /// data rates or settings have changed; rings whose size changes lose their images. `now_s`: on the steady
+  /// clock.
+  void look(const RecordingSettings& recording, double now_s = steady_s(), const std::stop_token& stop = {});
 
   struct Ring {
     int camera_id = 0;
@@ -89,7 +88,7 @@ class LastSeconds {
   mutable std::mutex mutex_;  // guards the members below, which only look() changes; held briefly
   std::map<int, Known> known_;
   LastSecondsSettings settings_;
-  std::uint64_t wanted_bytes_ = 0;
+  std::uint64_t wanted_bytes_ = 0;  // 0: all that is needed is there
   std::string problem_;
 };
 

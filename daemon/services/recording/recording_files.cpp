@@ -223,7 +223,7 @@ RecordingFiles::Removables RecordingFiles::removable(RoomFor whom, std::uint64_t
       out.all.push_back({written, name, bytes, is_clip(path)});
   }
   std::erase_if(out.all, [&](const Removable& one) {
-    return !one.is_clip && (whom == RoomFor::kOtherClip || one.written == newest_log);
+    return !one.is_clip && (whom == RoomFor::kClip || one.written == newest_log);
   });
   std::ranges::sort(out.all, {}, [&](const Removable& one) {
     return std::tuple(one.bytes <= most, !one.is_clip, one.written, one.name);

@@ -58,9 +58,8 @@ struct DiskUse {
 /// counted share or beyond half the quota. A recording larger than half the quota is removed before all other
 /// recordings.
 enum class RoomFor {
-  kMatchLog,    // may exceed the quota if nothing more can be removed
-  kWantedClip,  // requested by a user, or after a crash
-  kOtherClip,   // removes no match logs
+  kMatchLog,  // may exceed the quota if nothing more can be removed
+  kClip,      // removes no match logs
 };
 
 /// Result of make_room().

@@ -20,12 +20,12 @@ struct Coverage {
   std::vector<int> blind;                        // ids of cameras whose masks hide the whole image
 };
 
-/// Coverage of the floor between the outer lines of the field. Considers only calibrations and masks;
-/// obstacles are unknown.
 /// The grid point nearest to the middle of the largest connected group of these grid points, of which there
 /// is at least one.
 Eigen::Vector2d middle_of_largest(const std::vector<Eigen::Vector2d>& places_mm);
 
+/// Coverage of the floor between the outer lines of the field. Considers only calibrations and masks;
+/// obstacles are unknown.
 Coverage coverage_of(std::span<const CameraNow> cameras, const FieldSize& field);
 
 }  // namespace sslv

@@ -201,8 +201,10 @@ TEST(TableFile, EmptyTablesReplaceNothing) {
   EXPECT_EQ(error_of([] { import_tables(encode_lut(ColorTable(7)), "a file"); }), why);
   const auto tables = import_text(xml(var("Camera 0", "list", empty) +
                                       var("Camera 1", "list", var("LUT Data", "blob", blob(label::kPink)))));
-  ASSERT_EQ(tables.size(), 1u);
-  EXPECT_EQ(tables[0].camera, 1);
+  ASSERT_EQ(tables.size(), 2u) << "so that the user chooses";
+  EXPECT_EQ(&choose_table(tables, std::nullopt, 1, "a file"), &tables[1]);
+  EXPECT_EQ(error_of([&] { choose_table(tables, std::nullopt, 0, "a file"); }),
+            "a file, camera 0: is an empty colour table: no cell has a colour");
 }
 
 TEST(TableFile, BearsMistakesInXml) {

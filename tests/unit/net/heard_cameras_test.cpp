@@ -134,21 +134,26 @@ TEST_F(Heard, ACameraWhoseGeometryComesOnceAMinuteStays) {
 }
 
 TEST_F(Heard, ACameraOfANamedComputerWithoutCalibrationIsReported) {
-  const auto hear_for_seconds = [&](const char* address, int from_s, int to_s) {
-    for (int second = from_s; second < to_s; ++second) hear(detection(4), address, second);
-  };
-  hear_for_seconds("named", 0, 5);
-  EXPECT_THAT(cameras_.uncalibrated(4), IsEmpty()) << "its geometry may still come";
-  hear_for_seconds("named", 5, 10);
-  hear(detection(4), "stranger", 9);
-  EXPECT_THAT(cameras_.uncalibrated(9), ElementsAre(HeardCameras::Uncalibrated{4, "named"}));
+  hear(detection(4), "named", 0);
+  hear(detection(4), "stranger", 0);
+  EXPECT_THAT(cameras_.uncalibrated(1), IsEmpty()) << "its geometry may still come";
+  hear(geometry(5), "another named", 1);
+  hear(detection(4), "named", 1);
+  EXPECT_THAT(cameras_.uncalibrated(1), IsEmpty());
+  hear(geometry(5), "named", 2);
+  EXPECT_THAT(cameras_.uncalibrated(2), ElementsAre(HeardCameras::Uncalibrated{4, "named"}));
   EXPECT_THAT(cameras_.uncalibrated(20), IsEmpty()) << "it is silent";
-  hear(geometry(4), "named", 10);
-  hear(detection(4), "named", 10);
-  EXPECT_THAT(cameras_.uncalibrated(10), IsEmpty());
-  cameras_.set_own({4});
-  hear_for_seconds("named b", 10, 20);
-  EXPECT_THAT(cameras_.uncalibrated(19), IsEmpty()) << "another alert names the id";
+  hear(geometry(4), "named", 2);
+  hear(detection(4), "named", 2);
+  EXPECT_THAT(cameras_.uncalibrated(2), IsEmpty());
+  for (int second = 2; second < 70; ++second) hear(detection(6), "named", second);
+  EXPECT_THAT(cameras_.uncalibrated(69), ElementsAre(HeardCameras::Uncalibrated{6, "named"}))
+      << "no geometry comes at all";
+  cameras_.set_own({7});
+  hear(detection(7), "named", 69);
+  hear(geometry(5), "named", 69);
+  EXPECT_THAT(cameras_.uncalibrated(69), ElementsAre(HeardCameras::Uncalibrated{6, "named"}))
+      << "another alert names our id";
 }
 
 TEST_F(Heard, ConflictsAreLimitedAndExpire) {

@@ -416,11 +416,17 @@ TEST(MulticastReceiver, IgnoresDamagedDatagrams) {
       return sendto(fd, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&group),
                     sizeof group) > 0;
     };
-    // Port 10006 is 0x2716. Too short, lengths that are too small and too large, and a correct one.
+    // Port 10006 is 0x2716. Too short, lengths that are too small and too large, a wrong sum, and two correct
+    // ones.
+    std::uint32_t sum = 0x7F00 + 0x0001 + 0xEFFF + 0x4D4D + IPPROTO_UDP + 9 + 1 + 0x2716 + 9 + ('f' << 8);
+    sum = ~((sum & 0xFFFF) + (sum >> 16)) & 0xFFFF;
+    const auto high = static_cast<unsigned char>(sum >> 8), low = static_cast<unsigned char>(sum);
     if (!put({0, 1}) || !put({0, 1, 0x27, 0x16}) || !put({0, 1, 0x27, 0x16, 0, 7, 0, 0, 'a'}) ||
-        !put({0, 1, 0x27, 0x16, 0, 10, 0, 0, 'b'}) || !put({0, 1, 0x27, 0x16, 0, 9, 0, 0, 'c', 'd'}))
+        !put({0, 1, 0x27, 0x16, 0, 10, 0, 0, 'b'}) || !put({0, 1, 0x27, 0x16, 0, 9, 1, 2, 'e'}) ||
+        !put({0, 1, 0x27, 0x16, 0, 9, 0, 0, 'c', 'd'}) || !put({0, 1, 0x27, 0x16, 0, 9, high, low, 'f'}))
       return kNoNamespaces;
-    return heard.next() == "c" && heard.last_sender().port() == 1 ? kPassed : 1;
+    if (heard.next() != "c" || heard.last_sender().port() != 1) return 1;
+    return heard.next() == "f" ? kPassed : 2;
   });
   if (status == kNoNamespaces) GTEST_SKIP() << "this system gives no network namespace";
   EXPECT_EQ(status, kPassed);

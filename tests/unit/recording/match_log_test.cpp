@@ -395,19 +395,39 @@ TEST_F(MatchLog, ACutLogOfAnotherProgramIsRewrittenWithAllItsMessages) {
   const std::size_t readable = read(file()).messages.size();
   EXPECT_GT(readable, written.size() / 3);
 
-  const auto rewritten = rewrite_match_log(file());
-  ASSERT_TRUE(rewritten);
-  EXPECT_EQ(rewritten->messages, readable);
-  EXPECT_THAT(rewritten->problem, HasSubstr("is cut off"));
+  EXPECT_THAT(repair_any_log(file()), HasSubstr("is cut off"));
   EXPECT_EQ(contents(file().string() + ".damaged"), cut);
+  EXPECT_FALSE(fs::exists(file().string() + ".rewritten"));
   const WasRead was_read = read(file());
   EXPECT_EQ(was_read.problem, "");
   ASSERT_EQ(was_read.messages.size(), readable);
   expect_same(was_read.messages.back(), written[readable - 1]);
-  EXPECT_TRUE(read_match_log_index(file()));
-  EXPECT_FALSE(rewrite_match_log(file())) << "it is whole now";
-  write(file(), cut);
-  EXPECT_THROW(rewrite_match_log(file()), StorageError) << "the first damaged file is kept";
+  EXPECT_THROW(repair_any_log(file()), StorageError) << "the damaged file is kept";
+  fs::remove(file().string() + ".damaged");
+  EXPECT_EQ(repair_any_log(file()), "is whole");
+
+  // Behind a log of ours, which has flushes.
+  const std::string ours = contents(file("ours.log.gz"));
+  write(file(), ours + cut);
+  repair_any_log(file());
+  EXPECT_EQ(read(file()).messages.size(), written.size() + readable);
+  EXPECT_EQ(read(file()).problem, "");
+}
+
+TEST_F(MatchLog, EmptyLogsInAFileAreFew) {
+  const std::string head("SSL_LOG_FILE\0\0\0\1", 16),
+      empty_index = std::string(11, '\0') + '\6' + std::string(4, '\0');
+  EXPECT_EQ(error_of(head + head + head), "");
+  EXPECT_EQ(error_of(head + empty_index + head), "");
+  std::string many = head;
+  for (int i = 0; i < 100; ++i) many += empty_index;
+  EXPECT_EQ(error_of(many), "bad.log: has many logs without messages");
+  EXPECT_EQ(error_of(head + std::string("\0\0\0\0\0\0\0\0\0\0\0\6\x7f\0\0\0", 16)),
+            "bad.log: the index after message 0 is larger than its log");
+  EXPECT_EQ(error_of(head + std::string("\0\0\0\0\0\0\0\0\0\0\0\6\0\0\0\5", 16) + "1234"),
+            "bad.log: the index after message 0 is cut off");
+  write(file(), "");
+  EXPECT_TRUE(repair_match_log(file()).is_other);
 }
 
 TEST_F(MatchLog, SeveralLogsInOneFileAreReadAsOne) {

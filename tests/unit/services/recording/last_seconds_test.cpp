@@ -33,7 +33,7 @@ class LastSecondsTest : public testing::Test {
         cameras_.recorded_ones[id]->frame_ends(frame_, setup_);
       }
     }
-    last_seconds_.look(settings_, 12, ++now_s_);
+    last_seconds_.look(recording_, ++now_s_);
   }
   std::vector<double> memory_mb() const {
     std::vector<double> out;
@@ -50,7 +50,8 @@ class LastSecondsTest : public testing::Test {
   Frame frame_;
   test::NoCameras cameras_;
   LastSeconds last_seconds_{cameras_};
-  LastSecondsSettings settings_;
+  RecordingSettings recording_;
+  LastSecondsSettings& settings_ = recording_.last_seconds;
   double now_s_ = 100;
 };
 

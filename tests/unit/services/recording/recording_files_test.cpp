@@ -144,7 +144,7 @@ TEST_F(RecordingFilesTest, NothingGoesForALogThatStrangersFilled) {
   put(name, 60, 1);
   EXPECT_THAT(goes_for(RoomFor::kMatchLog), IsEmpty());
   EXPECT_THAT(problem_, HasSubstr("recordings take 110 MB"));
-  EXPECT_THAT(refusal(RoomFor::kWantedClip), HasSubstr("recordings take 110 MB"));
+  EXPECT_THAT(refusal(RoomFor::kClip), HasSubstr("recordings take 110 MB"));
   files_.end(log, true);
   EXPECT_THAT(goes_for(RoomFor::kMatchLog), IsEmpty()) << "after the match, too";
   files_.pin("a.clip", false);
@@ -175,23 +175,21 @@ TEST_F(RecordingFilesTest, NothingGoesForWhatStrangersSendBeyondOurs) {
   EXPECT_THAT(goes_for(RoomFor::kMatchLog), ElementsAre("a.log.gz"));
 }
 
-TEST_F(RecordingFilesTest, AClipLeavesRoomForLogsAndOnlyAWantedOneTakesTheirs) {
+TEST_F(RecordingFilesTest, AClipLeavesRoomForLogsAndTakesNoneOfTheirs) {
   put("a.log.gz", 50, 9);
   put("b.log.gz", 20, 8);
   put("a.clip", 10, 1);
   // A quarter of the quota is reserved for match logs.
-  EXPECT_THAT(refusal(RoomFor::kOtherClip, 20), HasSubstr("would take 100 MB, and may take 75 MB"));
-  EXPECT_THAT(goes_for(RoomFor::kOtherClip, 4), ElementsAre("a.clip"));
-  EXPECT_THAT(refusal(RoomFor::kWantedClip, 60), HasSubstr("/recording/quota_mb"));
-  EXPECT_THAT(goes_for(RoomFor::kWantedClip, 40), ElementsAre("a.log.gz"));
-  EXPECT_THAT(names(), ElementsAre("b.log.gz")) << "the newest log stays";
+  EXPECT_THAT(refusal(RoomFor::kClip, 20), HasSubstr("would take 100 MB, and may take 75 MB"));
+  EXPECT_THAT(goes_for(RoomFor::kClip, 4), ElementsAre("a.clip"));
+  EXPECT_THAT(names(), ElementsAre("a.log.gz", "b.log.gz"));
 }
 
 TEST_F(RecordingFilesTest, RemovesNothingForADiskThatMustStayFree) {
   put("a.log.gz", 70, 9);
   put("a.clip", 70, 9);
   settings_.keep_free_mb = 10'000'000;  // more than any disk has
-  for (const RoomFor whom : {RoomFor::kMatchLog, RoomFor::kWantedClip, RoomFor::kOtherClip})
+  for (const RoomFor whom : {RoomFor::kMatchLog, RoomFor::kClip})
     EXPECT_THAT(refusal(whom), HasSubstr("/recording/keep_free_mb"));
   EXPECT_TRUE(fs::exists(files_.path_of("a.clip")));
 }

@@ -515,7 +515,9 @@ TEST_F(Alerts, SayThatAProgramSendsTheGeometryOnly) {
   OtherVision publisher;
   publisher.address = "10.0.0.3";
   input_.other_visions = {publisher};
-  EXPECT_EQ(only_alert().title, "10.0.0.3 also sends the field's geometry to the vision group");
+  EXPECT_EQ(only_alert().title, "10.0.0.3 also sends other messages to the vision group");
+  input_.other_visions[0].field.emplace();
+  EXPECT_EQ(only_alert().title, "10.0.0.3 also sends a geometry to the vision group");
 }
 
 TEST_F(Alerts, SayWhichComputerIsHeardAndNotNamed) {
