@@ -80,7 +80,10 @@ class Calibrator {
       if (found->only_one) return found;
       keep(std::move(found));
     }
-    keep(solve_without_one());
+    // Four clicks fit many cameras. If one fits more, but not the lines, no click is to blame.
+    constexpr std::size_t kFewClicks = 4;
+    const bool all_are_near = best && !clicks_.has_far_one(best->refined.camera);
+    if (!all_are_near || clicks_.pixels.size() <= kFewClicks) keep(solve_without_one());
     return best;
   }
 

@@ -3,8 +3,8 @@
 // was started with, so the calibration in the settings can be spoilt and recovered.
 #include "base/params_json.h"
 #include "e2e/calibration_points.h"
+#include "e2e/repeated_referee.h"
 #include "e2e/running_daemon.h"
-#include "ssl_gc_referee_message.pb.h"
 #include "support/paths.h"
 
 #include <csignal>
@@ -22,6 +22,8 @@ class Calibration : public DaemonTest {
  protected:
   Calibration() {
     settings_["cameras"].erase(1);
+    // On a busy computer a faster camera would leave no time for a calibration.
+    settings_["cameras"][0]["source"]["frame_rate_hz"] = 10;
     settings_["network"]["referee"] = {{"group", GroupListener::kGroup}, {"port", referee_group_.port()}};
   }
   Json request() const { return {{"points", clicked_points(truth_)}, {"height_mm", 4000}, {"frames", 5}}; }
@@ -44,22 +46,13 @@ class Calibration : public DaemonTest {
   static CameraModel model_of(const Json& calibration) {
     return CameraModel(params_from_json<CameraCalibration>(calibration, ""));
   }
-  void send_referee(int stage, int command) {
-    Referee referee;
-    referee.mutable_yellow()->set_name("");
-    referee.mutable_blue()->set_name("");
-    referee.set_stage(stage);
-    referee.set_command(command);
-    ASSERT_TRUE(send(game_controller_, referee.SerializeAsString()));
-  }
-
   static constexpr const char* kPath = "/api/cameras/0/calibration";
   static constexpr const char* kAccept = "/api/cameras/0/calibration/accept";
   static constexpr const char* kReject = "/api/cameras/0/calibration/reject";
   static constexpr const char* kRevert = "/api/cameras/0/calibration/revert";
 
   GroupListener referee_group_;
-  MulticastSender game_controller_{settings_for(referee_group_)};
+  RepeatedReferee referee_{referee_group_};
   const CameraModel truth_ = model_of(settings_["cameras"][0]["calibration"]);
 };
 
@@ -270,13 +263,12 @@ TEST_F(Calibration, APoorResultIsAcceptedOnlyByForce) {
 }
 
 TEST_F(Calibration, IsLockedWhileTheGameRuns) {
-  constexpr int kFirstHalf = 1, kHalt = 0, kForceStart = 3;
   RunningDaemon daemon(settings_file(), state_);
   const Json wrong = spoil(daemon);
   const auto wait_until_running = [&](bool running) {
     daemon.wait_for(kPath, [&](const Json& s) { return s["game_is_running"] == running; });
   };
-  send_referee(kFirstHalf, kForceStart);
+  referee_.say(RepeatedReferee::kFirstHalf, RepeatedReferee::kForceStart);
   wait_until_running(true);
   EXPECT_THAT(daemon.post(kPath, request(), 423)["error"].get<std::string>(),
               HasSubstr("the game is running"));
@@ -289,7 +281,7 @@ TEST_F(Calibration, IsLockedWhileTheGameRuns) {
   EXPECT_EQ(daemon.get(kPath)["state"], "done") << "nothing is lost";
   daemon.post(kAccept, {{"force", true}});
   daemon.post(kRevert, Json::object(), 423);
-  send_referee(kFirstHalf, kHalt);
+  referee_.say(RepeatedReferee::kFirstHalf, RepeatedReferee::kHalt);
   wait_until_running(false);
   EXPECT_EQ(daemon.post(kRevert)["calibration"], wrong);
 }

@@ -3,8 +3,8 @@
 // calibrations that it was started with, so the calibrations in the settings can be spoilt and recovered.
 #include "base/params_json.h"
 #include "e2e/calibration_points.h"
+#include "e2e/repeated_referee.h"
 #include "e2e/running_daemon.h"
-#include "ssl_gc_referee_message.pb.h"
 #include "support/becomes.h"
 #include "support/paths.h"
 
@@ -106,17 +106,8 @@ class JointCalibration : public DaemonTest {
     EXPECT_GT(places, 50);
     return worst;
   }
-  void send_referee(int stage, int command) {
-    Referee referee;
-    referee.mutable_yellow()->set_name("");
-    referee.mutable_blue()->set_name("");
-    referee.set_stage(stage);
-    referee.set_command(command);
-    ASSERT_TRUE(send(game_controller_, referee.SerializeAsString()));
-  }
-
   GroupListener referee_group_;
-  MulticastSender game_controller_{settings_for(referee_group_)};
+  RepeatedReferee referee_{referee_group_};
   std::vector<CameraModel> truth_;
 };
 
@@ -233,7 +224,6 @@ TEST_F(JointCalibration, BadRequestsAreNamedAndChangeNothing) {
 }
 
 TEST_F(JointCalibration, RunsOnceCanBeCancelledAndIsLockedWhileTheGameRuns) {
-  constexpr int kFirstHalf = 1, kHalt = 0, kForceStart = 3;
   RunningDaemon daemon(settings_file(), state_);
   const Json wrong = spoil(daemon);
   daemon.post(kPath, {{"seconds", 600}}, 202);
@@ -246,7 +236,7 @@ TEST_F(JointCalibration, RunsOnceCanBeCancelledAndIsLockedWhileTheGameRuns) {
   const auto wait_until_running = [&](bool running) {
     daemon.wait_for(kPath, [&](const Json& s) { return s["game_is_running"] == running; });
   };
-  send_referee(kFirstHalf, kForceStart);
+  referee_.say(RepeatedReferee::kFirstHalf, RepeatedReferee::kForceStart);
   wait_until_running(true);
   const Json quick{{"seconds", 0}, {"frames", 1}};
   EXPECT_THAT(daemon.post(kPath, quick, 423)["error"].get<std::string>(), HasSubstr("the game is running"));
@@ -257,7 +247,7 @@ TEST_F(JointCalibration, RunsOnceCanBeCancelledAndIsLockedWhileTheGameRuns) {
   ASSERT_EQ(done["report"]["accepted"], true) << done.dump(2);
   daemon.post(kAccept, Json::object(), 423);
   EXPECT_EQ(in_settings(daemon), wrong);
-  send_referee(kFirstHalf, kHalt);
+  referee_.say(RepeatedReferee::kFirstHalf, RepeatedReferee::kHalt);
   wait_until_running(false);
   EXPECT_EQ(daemon.post(kReject)["state"], "idle");
   EXPECT_EQ(in_settings(daemon), wrong);
