@@ -37,7 +37,7 @@ class JointCalibration : public DaemonTest {
     settings_["cameras"][0]["calibration"]["ty"] = -2000;
     settings_["cameras"][1]["calibration"]["ty"] = 2000;
     for (Json& camera : settings_["cameras"]) {
-      camera["source"]["frame_rate_hz"] = 40;
+      camera["source"]["frame_rate_hz"] = 20;
       camera["source"]["speed"] = 0.5;
       truth_.push_back(model_of(camera["calibration"]));
     }
@@ -66,11 +66,13 @@ class JointCalibration : public DaemonTest {
   }
   /// Calibrates until both cameras have seen robots at the same moments, which takes longer on a busy
   /// computer.
-  static Json calibrate_with_robots(RunningDaemon& daemon, const Json& request) {
+  static Json calibrate_with_robots(RunningDaemon& daemon, Json request) {
     Json done;
     EXPECT_TRUE(becomes([&] {
       daemon.post(kPath, request, 202);
       done = wait_for_end(daemon);
+      constexpr int kLong_s = 60;
+      request["seconds"] = kLong_s;
       return done["ties"] > kFewTies;
     })) << done.dump(2);
     return done;
