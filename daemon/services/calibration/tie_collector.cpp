@@ -10,9 +10,9 @@ namespace {
 /// Assumed standard deviation between the cameras' clocks. It makes tie points of moving robots less
 /// accurate.
 constexpr double kClockSigmaS = 1e-3;
-/// Longest interval between two images to interpolate over: within it, an acceleration of 3 m/s2 moves a
-/// robot 1 mm off the interpolated straight line.
-constexpr double kMaxGapS = 0.05;
+/// Longest interval between two images to interpolate over, for slow cameras and busy computers. An
+/// acceleration moves a robot off the interpolated straight line, which makes its tie point less accurate.
+constexpr double kMaxGapS = 0.15, kAccelerationMmS2 = 3000;
 /// Larger than any calibration error: detections farther apart are two robots with the same id.
 constexpr double kOtherRobotMm = 300;
 constexpr double kCellMm = 250;
@@ -52,7 +52,10 @@ void TieCollector::tie(std::size_t camera, const Seen& seen, std::size_t other_c
   if ((place_mm - seen.place_mm).norm() > kOtherRobotMm) return;
 
   OverlapTie found{camera, other_camera, seen.pixel, pixel, seen.height_mm};
-  found.sigma_px = std::hypot(found.sigma_px, kClockSigmaS * (to.pixel - from.pixel).norm() / gap_s);
+  const double moved_px = (to.pixel - from.pixel).norm(), moved_mm = (to.place_mm - from.place_mm).norm();
+  const double off_mm = std::min(kAccelerationMmS2 * gap_s * gap_s / 8, moved_mm / 2);
+  const double off_px = moved_mm > 0 ? off_mm * moved_px / moved_mm : 0;
+  found.sigma_px = std::hypot(found.sigma_px, kClockSigmaS * moved_px / gap_s, off_px);
   const Cell cell{std::min(camera, other_camera), std::max(camera, other_camera),
                   static_cast<int>(std::floor(seen.place_mm.x() / kCellMm)),
                   static_cast<int>(std::floor(seen.place_mm.y() / kCellMm))};
