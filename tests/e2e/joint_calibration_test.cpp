@@ -37,7 +37,7 @@ class JointCalibration : public DaemonTest {
     settings_["cameras"][0]["calibration"]["ty"] = -2000;
     settings_["cameras"][1]["calibration"]["ty"] = 2000;
     for (Json& camera : settings_["cameras"]) {
-      camera["source"]["frame_rate_hz"] = 20;
+      camera["source"]["frame_rate_hz"] = 30;
       camera["source"]["speed"] = 0.5;
       truth_.push_back(model_of(camera["calibration"]));
     }
