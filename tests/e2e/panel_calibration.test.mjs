@@ -74,8 +74,17 @@ async function drag(page, from, to, finger) {
 
 /** The robots that camera 0 reported in at least `pictures` images taken after that status. */
 async function robotsSince({ time }, panel, pictures = 20) {
+  // The page itself does not ask for detections.
+  await panel.page.evaluate(() => {
+    const url = new URL('api/ws', document.baseURI);
+    url.protocol = 'ws:';
+    url.hash = '';
+    window.detectionsSocket = new WebSocket(url.href);
+    window.detectionsSocket.onopen = () => window.detectionsSocket.send('{"subscribe": ["detections"]}');
+  });
   const fresh = await becomes(() => panel.detections.filter(({ camera, t_capture }) => camera === 0 && t_capture > time), ({ length }) => length >= pictures,
     ({ length }) => `${length} pictures`);
+  await panel.page.evaluate(() => window.detectionsSocket.close());
   return fresh.flatMap(({ robots }) => robots);
 }
 

@@ -70,6 +70,18 @@ describe('panel over a bad link', () => {
     }, { prepare: () => link.limit(kbps) }));
   }
 
+  it('shows the tracks at 1000 kbit/s, and never blames the service', browser.withPage(DESKTOP, '#/field', {}, async (page) => {
+    await page.waitForSelector(byId('live-field'));
+    link.limit(1000);
+    const before = link.bytes();
+    await becomes(async () => {
+      const texts = await page.locator(byId('live-missing')).allTextContents();
+      assert.ok(texts.every((text) => !/tracked/.test(text)), texts.join());
+      return link.bytes() - before;
+    }, (bytes) => bytes > 250_000);
+    await page.waitForFunction((selector) => document.querySelector(selector)?.getAttribute('aria-label')?.includes('robot'), byId('live-field'));
+  }));
+
   itLong('says "Slow link" beside the verdict on other pages, on a phone, too', browser.withPage(PHONE, '#/camera/0', phone, async (page) => {
     await picturesGoOn(page, 0, 1);
     link.limit(200);

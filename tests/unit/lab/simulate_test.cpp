@@ -2,6 +2,7 @@
 #include "lab/simulate.h"
 
 #include "lab/score.h"
+#include "support/temporary_folder.h"
 
 #include <filesystem>
 #include <fstream>
@@ -36,9 +37,9 @@ class SimulateTest : public testing::Test {
     options_.start_s = 1000;
     options_.folder = folder_.string();
   }
-  ~SimulateTest() override { std::filesystem::remove_all(folder_); }
 
-  std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) / "simulate_test";
+  const test::TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path() / "simulated";
   SimulateOptions options_;
 };
 

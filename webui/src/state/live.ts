@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The daemon's last messages, and whether they are still live.
-import { computed, ref, shallowReactive, shallowRef } from 'vue';
+import { computed, onMounted, onUnmounted, ref, shallowReactive, shallowRef } from 'vue';
 import { api } from '../api/client';
 import { PanelSocket } from '../api/socket';
 import type { Detections, FieldTracks, PacketTimeline, PreviewRequest, Status, Timeline } from '../api/types';
@@ -85,10 +85,23 @@ function gatherObjects(): void {
 
 const watchers = new Set<(data: Detections) => void>();
 
-/** Calls `watcher` with the detections of every image of all cameras. Returns a function that stops it. */
+/**
+ * Calls `watcher` with the detections of every image of all cameras. The service sends them only while somebody
+ * watches, because they take most of a slow link. Returns a function that stops it.
+ */
 export function watchDetections(watcher: (data: Detections) => void): () => void {
+  if (watchers.size === 0) socket?.send({ subscribe: ['detections'] });
   watchers.add(watcher);
-  return () => { watchers.delete(watcher); };
+  return () => {
+    if (watchers.delete(watcher) && watchers.size === 0) socket?.send({ unsubscribe: ['detections'] });
+  };
+}
+
+/** For a component that shows `fieldObjects` or `steadyObjects`: keeps them up to date while it is mounted. */
+export function useFieldObjects(): void {
+  let stop = () => {};
+  onMounted(() => { stop = watchDetections(() => {}); });
+  onUnmounted(() => stop());
 }
 
 function onDetections(data: Detections): void {
@@ -232,7 +245,7 @@ export function connect(): void {
       isOpen.value = true;
       hasGap = true;
       meter.opened();
-      socket!.send({ subscribe: ['status', 'detections', ...(trackWatchers.size ? ['field' as const] : [])] });
+      socket!.send({ subscribe: ['status', ...(watchers.size ? ['detections' as const] : []), ...(trackWatchers.size ? ['field' as const] : [])] });
       for (const { request } of previews.values()) socket!.send({ preview: request });
     },
     text(message) {

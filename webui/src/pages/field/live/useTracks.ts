@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-import { onMounted, onUnmounted, ref, shallowRef, type Ref, type ShallowRef } from 'vue';
+import { onMounted, onUnmounted, ref, shallowRef, watch, type Ref, type ShallowRef } from 'vue';
 import type { FieldTracks } from '../../../api/types';
-import { ageOf, watchDetections, watchTracks } from '../../../state/live';
+import { ageOf, knownStatus, watchDetections, watchTracks } from '../../../state/live';
+import { layer } from './layers';
 import { RawReports } from './raw';
 import { Trails } from './trails';
 
@@ -23,6 +24,8 @@ export interface Tracks {
   steady: Readonly<ShallowRef<FieldTracks | null>>;
   /** Age on the service's clock; null before anything was tracked. */
   age_s: Readonly<Ref<number | null>>;
+  /** The same compared with the newest status, which comes over the same link: not older on a slow one. */
+  lag_s: Readonly<Ref<number | null>>;
   /** Nothing has arrived yet, within the time allowed for it. */
   isWaiting: Readonly<Ref<boolean>>;
 }
@@ -32,6 +35,7 @@ export function useTracks(): Tracks {
   const feed: TracksFeed = { tracks: null, trails: new Trails(), raw: new RawReports() };
   const steady = shallowRef<FieldTracks | null>(null);
   const age_s = ref<number | null>(null);
+  const lag_s = ref<number | null>(null);
   const isWaiting = ref(true);
   let stops: (() => void)[] = [];
   let patience = 0;
@@ -39,7 +43,9 @@ export function useTracks(): Tracks {
 
   function look(): void {
     steady.value = feed.tracks;
-    age_s.value = feed.tracks && feed.tracks.number > 0 ? ageOf(feed.tracks.time) : null;
+    const time = feed.tracks && feed.tracks.number > 0 ? feed.tracks.time : null;
+    age_s.value = time === null ? null : ageOf(time);
+    lag_s.value = time === null ? null : Math.max(0, (knownStatus.value?.time ?? time) - time);
   }
   function stop(): void {
     for (const end of stops) end();
@@ -64,7 +70,11 @@ export function useTracks(): Tracks {
         isWaiting.value = false;
         look();
       }),
-      watchDetections((detections) => feed.raw.take(detections, performance.now(), feed.tracks)),
+      watch(layer, (shown, before, onCleanup) => {
+        if (shown !== 'raw') return;
+        feed.raw.clear();
+        onCleanup(watchDetections((detections) => feed.raw.take(detections, performance.now(), feed.tracks)));
+      }, { immediate: true }),
     ];
   }
   const onVisibility = () => (document.hidden ? stop() : start());
@@ -77,5 +87,5 @@ export function useTracks(): Tracks {
     document.removeEventListener('visibilitychange', onVisibility);
     stop();
   });
-  return { feed, steady, age_s, isWaiting };
+  return { feed, steady, age_s, lag_s, isWaiting };
 }

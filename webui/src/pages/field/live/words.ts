@@ -47,8 +47,8 @@ export interface Missing {
 const isUsable = ({ state, calibration }: CameraStatus) => state === 'running' && calibration !== null;
 
 /**
- * Why nothing is tracked; null: something is. `age_s`: age of the tracks, null before the first. `now`: null while
- * unknown.
+ * Why nothing is tracked; null: something is. `age_s`: age of the tracks when the newest status was sent, null before the
+ * first. `now`: null while unknown.
  */
 export function missing(status: Status | null, now: Pick<FieldNow, 'stages' | 'other_cameras'> | null, number: number, age_s: number | null): Missing | null {
   if (!status) return { text: 'The service cannot be reached. The panel tries again automatically.' };
