@@ -256,7 +256,7 @@ std::vector<ImportedTable> tables_of_xml(Bytes bytes, const std::string& file_na
   return std::move(finds.tables);
 }
 
-/// Such tables are those of cameras whose colours were never set.
+/// SSL-Vision saves empty tables for cameras without colours.
 bool is_empty(const ColorTable& table) {
   return std::ranges::all_of(table.labels, [](Label label) { return label == label::kClear; });
 }
