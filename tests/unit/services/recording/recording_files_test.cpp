@@ -182,7 +182,7 @@ TEST_F(RecordingFilesTest, AClipLeavesRoomForLogsAndTakesNoneOfTheirs) {
   // A quarter of the quota is reserved for match logs.
   EXPECT_THAT(refusal(RoomFor::kClip, 20), HasSubstr("would take 100 MB, and may take 75 MB"));
   EXPECT_THAT(goes_for(RoomFor::kClip, 4), ElementsAre("a.clip"));
-  EXPECT_THAT(names(), ElementsAre("a.log.gz", "b.log.gz"));
+  EXPECT_THAT(names(), ElementsAre("b.log.gz", "a.log.gz"));
 }
 
 TEST_F(RecordingFilesTest, RemovesNothingForADiskThatMustStayFree) {
