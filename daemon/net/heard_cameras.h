@@ -57,8 +57,8 @@ class HeardCameras {
   /// The conflicts of the last kForgottenAfter_s. Lists conflicts with named computers first, so that
   /// conflicts with unnamed computers cannot hide them.
   std::vector<Conflict> conflicts(double now_s) const;
-  /// Cameras of named computers that cannot be tracked, because their computer's geometry packets lack them, or are
-  /// not received at all.
+  /// Cameras of named computers that cannot be tracked, because their computer's geometry packets lack them,
+  /// or are not received at all.
   struct Uncalibrated {
     int camera = 0;
     std::string address;

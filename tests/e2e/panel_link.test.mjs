@@ -70,7 +70,7 @@ describe('panel over a bad link', () => {
     }, { prepare: () => link.limit(kbps) }));
   }
 
-  it('shows the tracks at 1000 kbit/s, and never blames the service', browser.withPage(DESKTOP, '#/field', {}, async (page) => {
+  it('shows the tracks at 1000 kbit/s, and never blames the service', browser.withPage(DESKTOP, '#/field/live', {}, async (page) => {
     await page.waitForSelector(byId('live-field'));
     link.limit(1000);
     const before = link.bytes();

@@ -263,7 +263,7 @@ describe('match logs', () => {
     });
     ctl('match-log', 'convert', plain, packed);
     assert.deepEqual(gunzipSync(readFileSync(packed)), gunzipSync(readFileSync(file)));
-    assert.throws(() => ctl('match-log', 'convert', plain, packed), /File exists/);
+    assert.throws(() => ctl('match-log', 'convert', plain, packed), /already exists/);
 
     // Plays to a group other than the teams'.
     const group = '239.255.77.98', port = await freeUdpPort();

@@ -40,4 +40,4 @@ it('robots far apart, and images far apart, are not compared', () => {
   expect(raw.differences(10)).toEqual([]);
 });
 
-it('every camera has a colour', () => expect([colourOfCamera(0), colourOfCamera(6)]).toEqual(['--g1', '--g1']));
+it('every camera has a colour', () => expect([colourOfCamera(0), colourOfCamera(7), colourOfCamera(8)]).toEqual(['--g1', '--g6', '--g1']));

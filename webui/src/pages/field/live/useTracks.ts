@@ -70,7 +70,7 @@ export function useTracks(): Tracks {
         isWaiting.value = false;
         look();
       }),
-      watch(layer, (shown, before, onCleanup) => {
+      watch(layer, (shown, _before, onCleanup) => {
         if (shown !== 'raw') return;
         feed.raw.clear();
         onCleanup(watchDetections((detections) => feed.raw.take(detections, performance.now(), feed.tracks)));
