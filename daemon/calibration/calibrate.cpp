@@ -248,9 +248,9 @@ class Calibrator {
   }
 
   /// Another usual field that the image may show as well, at another scale: the defence areas of both
-  /// divisions have the same shape. Null: none, or the camera's height is known and decides.
+  /// divisions have the same shape. Null: none, or the height decides, or the fit is poor.
   const FieldPreset* find_other_scale(const RefinedCamera& refined) const {
-    if (prior_.height_mm) return nullptr;
+    if (prior_.height_mm || !verdict(refined).is_acceptable()) return nullptr;
     const FieldSize& ours = task_.field;
     for (const FieldPreset& preset : field_presets()) {
       const FieldSize& theirs = preset.size;

@@ -192,11 +192,11 @@ void add_problems(const Finding& finding, CalibrationReport& out) {
         "Other parts of the field fit the image nearly as well: click at four corners or crossings.");
   }
   if (finding.other_scale) {
-    out.problems.push_back(
-        fmt::format("The image shows only parts that another field ({}) has too, in another size, so a "
-                    "camera at {:.0f} mm is "
-                    "not certain: give the camera's height, or turn the camera to more of the field.",
-                    finding.other_scale->help, out.height_mm));
+    out.problems.push_back(fmt::format(
+        "The image shows only parts that another field ({}) has too, in another size, so the "
+        "camera's height of {:.0f} mm is not certain: give its height, or turn the camera to more "
+        "of the field.",
+        finding.other_scale->help, out.height_mm));
   }
   if (out.lens_rms_mm > kMaxLensMm) {
     out.problems.push_back(fmt::format(
@@ -213,8 +213,7 @@ std::optional<std::string> uneven_note(const Verdict& verdict, double expected_o
   if (verdict.rms_px < kMaxRmsPx || !verdict.lines_are_near()) return std::nullopt;
   return fmt::format(
       "The lines lie {:.2f} px ({:.1f} mm) off on average, more than straight lines do: the paint or tape "
-      "may be "
-      "uneven, or the image blurred. Places on the floor are expected to be off by {:.1f} mm.",
+      "may be uneven, or the image blurred. Places on the floor are expected to be off by {:.1f} mm.",
       verdict.rms_px, verdict.rms_mm(), expected_on_floor_mm);
 }
 
@@ -298,8 +297,7 @@ std::vector<std::string> problems_of(const Verdict& verdict, const char* doubt) 
   if (!verdict.lines_are_near()) {
     out.push_back(
         fmt::format("The lines lie {:.2f} px ({:.1f} mm) off on average, expected less than {:.2f} px: do "
-                    "the field's sizes "
-                    "fit this field?",
+                    "the field's sizes fit this field?",
                     verdict.rms_px, verdict.rms_mm(), verdict.max_rms_px()));
   }
   return out;

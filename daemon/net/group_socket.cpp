@@ -139,8 +139,7 @@ GroupSocket::GroupSocket(asio::io_context& io, const address_v4& address, int po
   if (error == asio::error::address_in_use) {
     throw std::runtime_error(
         "another program uses this port without SO_REUSEADDR; end it, or give the service the right "
-        "CAP_NET_RAW, "
-        "with which it does not need the port");
+        "CAP_NET_RAW, with which it does not need the port");
   }
   if (error) throw boost::system::system_error(error, "cannot bind a socket");
   socket_.non_blocking(true);

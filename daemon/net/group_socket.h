@@ -29,8 +29,6 @@ class GroupSocket {
   GroupSocket(boost::asio::io_context& io, const boost::asio::ip::address_v4& address, int port,
               const std::string& card = "");
 
-  /// For tests: whether the port is not occupied.
-  bool is_raw() const { return is_raw_; }
   bool is_open() const { return socket_.is_open(); }
   void close();
 
@@ -53,7 +51,7 @@ class GroupSocket {
   boost::asio::ip::address_v4 address_;
   int port_;
   boost::asio::ip::udp::socket socket_;
-  bool is_raw_;
+  bool is_raw_;  // the port is not occupied
 };
 
 }  // namespace sslv

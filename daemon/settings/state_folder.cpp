@@ -115,8 +115,7 @@ std::string other_format(std::string_view text) {
       if (text.substr(0, kBeginning).find("LUT Data") != std::string_view::npos)
         return "is a colour table of SSL-Vision; ssl-visionctl colours import reads it";
       return "has settings of SSL-Vision, which this version does not read. ssl-visionctl colours import "
-             "reads "
-             "SSL-Vision's colour tables";
+             "reads SSL-Vision's colour tables";
     }
     const std::size_t name =
         line.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-");

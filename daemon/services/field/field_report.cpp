@@ -95,9 +95,9 @@ void report_field(const FieldFacts& facts, HealthReport& report) {
          .severity = Severity::kWarn,
          .title = fmt::format("Camera {} of {} is not tracked: its calibration is not received", one.camera,
                               one.address),
-         .fix = "Calibrate the camera on that computer, whose geometry packets must then contain the "
-                "calibration with "
-                "the camera's position.",
+         .fix =
+             "Calibrate the camera on that computer. Its geometry packets must contain the calibration and "
+             "the camera's position.",
          .page = ""});
   }
   report.add_as_one(std::move(uncalibrated));

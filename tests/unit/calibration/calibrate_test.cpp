@@ -401,7 +401,7 @@ TEST(Calibrate, DoesNotGuessTheScaleOfADefenceArea) {
     task.field = field_preset(division, "");
     const CalibrationReport report = calibrate(shot.picture, task);
     EXPECT_FALSE(report.accepted) << division;
-    EXPECT_THAT(report.problems, Contains(HasSubstr("give the camera's height"))) << division;
+    EXPECT_THAT(report.problems, Contains(HasSubstr("give its height"))) << division;
   }
   task.field = large;
   task.height_mm = shot.camera.position_mm.z() + 20;
