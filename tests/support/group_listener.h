@@ -12,6 +12,7 @@
 #include <string>
 
 #include <arpa/inet.h>
+#include <fmt/format.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -20,7 +21,9 @@ namespace sslv {
 /// Receives packets sent to a test group through the loopback interface.
 class GroupListener {
  public:
-  static constexpr const char* kGroup = "239.255.77.77";
+  /// A group of this process: other processes' sockets are not members.
+  static inline const std::string kGroup =
+      fmt::format("239.{}.{}.{}", 192 + (getpid() >> 16 & 63), getpid() >> 8 & 255, getpid() & 255);
 
   /// Uses a free port if `port` is 0. Throws std::runtime_error if it cannot listen.
   explicit GroupListener(std::uint16_t port = 0) : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {
@@ -29,7 +32,7 @@ class GroupListener {
     sockaddr_in local{};
     local.sin_family = AF_INET;
     local.sin_port = htons(port);
-    inet_pton(AF_INET, kGroup, &local.sin_addr);
+    inet_pton(AF_INET, kGroup.c_str(), &local.sin_addr);
     check(bind(fd_, reinterpret_cast<const sockaddr*>(&local), sizeof local), "bind");
     if (port == 0) set(SOL_SOCKET, SO_REUSEADDR, 1);
     ip_mreq membership{local.sin_addr, {htonl(INADDR_LOOPBACK)}};
