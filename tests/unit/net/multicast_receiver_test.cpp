@@ -199,7 +199,7 @@ TEST_P(MulticastReceiverTest, DropsCopiesThatArriveBothWays) {
     Heard heard;
     MulticastReceiver receiver("test", heard.handler());
     receiver.listen(at(group));
-    MulticastSettings both = broadcasting(group, other_way);
+    MulticastSettings both = broadcasting(group, other_way.c_str());
     both.broadcast = "127.255.255.255";
     MulticastSender sender(both);
     std::vector<std::string> sent;
