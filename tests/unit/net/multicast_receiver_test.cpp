@@ -406,13 +406,14 @@ TEST_F(MulticastReceiverWithoutRights, TellsWhichProgramIsInTheWay) {
 TEST(MulticastReceiver, IgnoresDamagedDatagrams) {
   const int status = without_network([] {
     if (!bring_loopback_up()) return kNoNamespaces;
+    constexpr const char* kAddress = "239.255.77.77";  // 0xEFFF4D4D
     Heard heard;
     MulticastReceiver receiver("test", heard.handler());
-    receiver.listen(GroupAddress{GroupListener::kGroup, 10006, "lo"});
+    receiver.listen(GroupAddress{kAddress, 10006, "lo"});
     const int fd = socket(AF_INET, SOCK_RAW, IPPROTO_UDP);
     const in_addr card{htonl(INADDR_LOOPBACK)};
     setsockopt(fd, IPPROTO_IP, IP_MULTICAST_IF, &card, sizeof card);
-    const sockaddr_in group{AF_INET, 0, {inet_addr(GroupListener::kGroup.c_str())}, {}};
+    const sockaddr_in group{AF_INET, 0, {inet_addr(kAddress)}, {}};
     const auto put = [&](std::vector<unsigned char> bytes) {
       return sendto(fd, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&group),
                     sizeof group) > 0;
