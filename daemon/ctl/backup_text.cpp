@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/backup_text.h"
 
+#include "ctl/change_text.h"
+
 #include <cstdint>
 #include <ctime>
 
@@ -48,9 +50,8 @@ std::string held_text(const Json& contents) {
 }  // namespace
 
 std::string backup_text(const Json& contents) {
-  return held_text(contents) +
-         fmt::format("It would change {} settings. Only checked, nothing was restored.\n",
-                     contents.at("changes").size());
+  return held_text(contents) + "\n" + changes_text(contents.at("changes")) +
+         "only checked, nothing was restored\n";
 }
 
 std::string restored_text(const Json& restored) {

@@ -228,6 +228,8 @@ SettingsStore::Version SettingsStore::change(Json tree, const SettingsEdit& edit
 SettingsStore::Version SettingsStore::change(Json tree, SettingsHistory history, std::uint64_t revision,
                                              const SettingsEdit& edit, const GetReady& get_ready) {
   const CheckedSettings result = checked(std::move(tree));
+  Json changes = changes_between(version_.settings, result.tree);
+  if (edit.what.empty() && changes.empty()) return version_;  // operations are kept: they change files, too
   Version next{revision + 1, result.tree, result.config};
   const Apply apply = get_ready(result);
 
@@ -235,7 +237,7 @@ SettingsStore::Version SettingsStore::change(Json tree, SettingsHistory history,
                     {"time", unix_time_s()},
                     {"who", edit.who},
                     {"what", edit.what},
-                    {"changes", changes_between(version_.settings, next.settings)}};
+                    {"changes", std::move(changes)}};
   edit.joins ? history.join(std::move(step)) : history.add(std::move(step));
   save(next, admin_settings_, history);
   Version answer = next;

@@ -77,8 +77,9 @@ class SettingsStore {
   std::uint64_t revision() const { return revision_; }
 
   /// Makes a change by a JSON Patch: validates, prepares, saves it with its step of the history, then applies
-  /// it. Throws StaleRevision if `if_revision` is given and is not the newest, SettingsError if the result is
-  /// not allowed, StorageError if it cannot be saved; in each case nothing has changed.
+  /// it. An edit without `what` that changes nothing makes no step. Throws StaleRevision if `if_revision` is
+  /// given and is not the newest, SettingsError if the result is not allowed, StorageError if it cannot be
+  /// saved; in each case nothing has changed.
   Version patch(const Json& patch, const SettingsEdit& edit, const GetReady& get_ready);
 
   /// Returns the changes that patch() would make. `plan` throws SettingsError if the result would be refused.

@@ -4,28 +4,17 @@
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
-import { once } from 'node:events';
 import { existsSync, mkdirSync, readdirSync, readFileSync, rmdirSync, rmSync, statSync, writeFileSync } from 'node:fs';
-import { createServer } from 'node:net';
 import { join, relative } from 'node:path';
 import { after, before, describe, it } from 'node:test';
 import { gzipSync } from 'node:zlib';
-import { becomes, createService, root } from './service.mjs';
+import { becomes, createService, freeTcpPort, root } from './service.mjs';
 
 const CTL = process.env.SSLV_CTL ?? join(root, 'build/release/bin/ssl-visionctl');
 const MIB = 1024 * 1024;
 const first = await createService('239.255.77.112');
 const spare = await createService('239.255.77.113');
 const PASSWORD = 'correct horse';
-
-async function freeTcpPort() {
-  const server = createServer().listen(0, '127.0.0.1');
-  await once(server, 'listening');
-  const { port } = server.address();
-  server.close();
-  await once(server, 'close');
-  return port;
-}
 
 async function ask(service, method, path, { body, headers, expect = 200 } = {}) {
   const isBytes = body === undefined || Buffer.isBuffer(body) || typeof body === 'string';

@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { beforeEach, describe, it } from 'node:test';
 import { accessibleInThemes, byId, createBrowser, DESKTOP, itLong, PHONE, phone, saved, textBecomes, views } from './browser.mjs';
-import { becomes, createService } from './service.mjs';
+import { becomes, createService, freeTcpPort } from './service.mjs';
 
 const service = await createService('239.255.77.79');
 const { address, patch, statusBecomes } = service;
@@ -264,6 +264,14 @@ describe('settings page', () => {
     await page.click(byId('stack-apply'));
     await treeBecomes(({ cameras }) => cameras[0].stack.join() === 'segment,detect_robots');
     await page.unrouteAll({ behavior: 'wait' });
+  }));
+
+  it('follows the panel to another port', withPage(DESKTOP, '#/settings/panel', {}, async (page, panel) => {
+    panel.errorsExpected = true; // the old port closes
+    const port = service.settings.panel.port = await freeTcpPort();
+    await typeInto(page, '/panel/port', String(port));
+    await page.waitForURL((url) => url.port === String(port));
+    await page.waitForSelector(row('/panel/port'));
   }));
 
   it('undoes steps from the history', withPage(DESKTOP, '#/settings/cameras/1/stages/detect_robots', {}, async (page) => {

@@ -52,6 +52,15 @@ const tellStatus = ({ cameras, alerts, ...others }) => JSON.stringify({
   alerts: alerts.map(({ id }) => id), ...others,
 });
 
+export async function freeTcpPort() {
+  const server = createServer().listen(0, '127.0.0.1');
+  await once(server, 'listening');
+  const { port } = server.address();
+  server.close();
+  await once(server, 'close');
+  return port;
+}
+
 /**
  * A port for a multicast group, reserved while this process runs: the TCP port of the same number keeps other tests
  * away, and the UDP socket keeps away programs that take any port. Both allow sockets that share the port.

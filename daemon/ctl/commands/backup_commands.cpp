@@ -11,7 +11,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 #include <iterator>
 #include <memory>
 #include <stdexcept>
@@ -68,13 +67,11 @@ void add_backup(CommandLine& line) {
         line.client().get(o->with_passwords ? "/api/backup?passwords=true" : "/api/backup");
     ::umask(077);  // no other user may read it
     write_bytes(o->file, backup);
-    if (o->file == "-") return EXIT_SUCCESS;
-    std::error_code ignored;  // the file may be another user's
-    if (o->with_passwords) {
+    if (o->with_passwords && o->file != "-") {
+      std::error_code ignored;  // the file may be another user's
       using enum std::filesystem::perms;
       std::filesystem::permissions(o->file, owner_read | owner_write, ignored);
     }
-    std::cerr << "written to " << o->file << "\n";
     return EXIT_SUCCESS;
   });
 }
@@ -90,7 +87,7 @@ void add_restore(CommandLine& line) {
       "restore everything that the service keeps from a backup of this or another computer, live and without "
       "a restart; all of it or nothing");
   command->add_option("file", o->file, "the backup")->required();
-  command->add_flag("--dry-run", o->dry_run, "only check it and show what it contains");
+  command->add_flag("--dry-run", o->dry_run, "only check it and show what it contains and would change");
   add_json_flag(command, o->as_json);
   line.on(command, [&line, o] {
     const std::string bytes = bytes_of_backup(o->file);

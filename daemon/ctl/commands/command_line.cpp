@@ -186,6 +186,7 @@ std::ostream& Output::stream() {
 
 void Output::finish() {
   if (!stream().flush()) refuse_to_write(name_);
+  if (file_.is_open()) std::cerr << "written to " << name_ << "\n";
 }
 
 }  // namespace sslv

@@ -67,7 +67,7 @@ class Output {
  public:
   explicit Output(const std::string& file);
   std::ostream& stream();
-  /// Throws StorageError if not everything could be written.
+  /// Tells a file's name on standard error. Throws StorageError if not everything could be written.
   void finish();
 
  private:

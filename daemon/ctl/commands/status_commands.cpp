@@ -230,7 +230,6 @@ void add_support_bundle(CommandLine& line) {
     const std::string path = has_clip ? "/api/support?clip=" + path_part(o->clip) : "/api/support";
     const Client client = line.client();
     write_pieces(name, [&](const TakePiece& take) { client.get_pieces(path, take); });
-    if (name != "-") std::cerr << "written to " << name << "\n";
     return EXIT_SUCCESS;
   });
 }

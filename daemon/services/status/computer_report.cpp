@@ -13,12 +13,14 @@ namespace {
 constexpr std::uint64_t kLittleDisk_bytes = 100'000'000;
 constexpr double kLittleDiskShare = 0.02, kLittleMemoryShare = 0.05;
 
-Check check_clock(const std::optional<ClockFigures>& clock) {
+Check check_clock(const std::optional<ClockFigures>& clock, bool another_host_sends) {
   Check check{"clock", "Clock", CheckState::kWarn, kNoFigure, "", ""};
   if (!clock) {
     check.text = "the system does not say whether it is synchronised";
   } else if (!clock->synchronised) {
-    check.text = "not synchronised: timedatectl set-ntp true";
+    check.text = another_host_sends
+                     ? "not synchronised: timedatectl set-ntp true"
+                     : "not synchronised; before another vision joins, run: timedatectl set-ntp true";
   } else {
     check = {"clock", "Clock",       CheckState::kPass, fmt::format("±{:.1f}", clock->estimated_error_ms),
              "ms",    "synchronised"};
@@ -72,7 +74,7 @@ void report_computer(const ComputerFigures& computer, const std::optional<ClockF
                      static_cast<double>(computer.memory_available_bytes) * 1e-6),
          "Close other programs before the system kills this one.", "#/diagnostics");
   }
-  report.checks.push_back(check_clock(clock));
+  report.checks.push_back(check_clock(clock, report.another_host_sends));
   report.checks.push_back(check_computer(computer));
 }
 

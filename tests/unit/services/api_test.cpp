@@ -229,13 +229,19 @@ TEST_F(Api, PacketsAreThoseThatCameBackFromTheNetwork) {
 }
 
 TEST_F(Api, PatchesAreSavedOrSayWhyNot) {
-  const std::string patch = R"([{"op":"replace","path":"/site","value":"x"}])";
+  const auto site = [](const char* name) {
+    return Json{{{"op", "replace"}, {"path", "/site"}, {"value", name}}}.dump();
+  };
+  const std::string patch = site("x");
   const Json saved = ask("PATCH", "/api/settings", patch).json();
   EXPECT_EQ(saved["settings"]["site"], "x");
   EXPECT_EQ(saved["saved"], true);
   EXPECT_EQ(saved["revision"], 2);
-  EXPECT_EQ(ask("PATCH", "/api/settings", patch, {{"If-Match", "2"}}).status, 200);
-  EXPECT_EQ(ask("PATCH", "/api/settings", patch, {{"If-Match", "\"3\""}}).status, 200);
+  const Json again = ask("PATCH", "/api/settings", patch).json();
+  EXPECT_EQ(again["revision"], 2) << "nothing has changed";
+  EXPECT_EQ(ask("GET", "/api/settings/history").json().size(), 1U);
+  EXPECT_EQ(ask("PATCH", "/api/settings", site("y"), {{"If-Match", "2"}}).status, 200);
+  EXPECT_EQ(ask("PATCH", "/api/settings", site("z"), {{"If-Match", "\"3\""}}).status, 200);
   const Reply stale = ask("PATCH", "/api/settings", patch, {{"If-Match", "1"}});
   EXPECT_EQ(stale.status, 409);
   EXPECT_EQ(stale.json()["revision"], 4);

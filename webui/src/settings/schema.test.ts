@@ -43,6 +43,7 @@ describe('schema', () => {
   });
   it('reads well', () => {
     expect(titleOf('robot_distance_mm')).toBe('Robot distance');
+    expect(titleOf('quota_mb')).toBe('Quota');
     expect(rangeText({ minimum: 0, maximum: 255 })).toBe('0 to 255');
     expect(rangeText({ minimum: 0, maximum: 1e12 })).toBe('from 0');
   });

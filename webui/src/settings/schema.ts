@@ -72,7 +72,7 @@ export function kindOf(node: SchemaNode): Kind {
 
 /** "robot_distance_mm" as a title: "Robot distance". */
 export function titleOf(key: string): string {
-  const words = key.replace(/_(mm|ms|us|s|px|hz|deg|pct|m|db)$/, '').split('_').filter(Boolean)
+  const words = key.replace(/_(mm|ms|us|s|px|hz|deg|pct|m|db|mb)$/, '').split('_').filter(Boolean)
     .map((word) => ({ colors: 'colours', lut: 'LUT', cpu: 'CPU', ttl: 'TTL', rms: 'RMS' })[word] ?? word).join(' ');
   const known: Record<string, string> = { fps: 'Frame rate', tx: 'tx', ty: 'ty', tz: 'tz', 'max dt': 'Longest gap' };
   return known[words] ?? words.charAt(0).toUpperCase() + words.slice(1);

@@ -34,8 +34,15 @@ export type Outcome =
   /** The service could not be reached, or could not save. */
   | { kind: 'failed'; text: string };
 
+/** Follows the panel to another port, unless it was opened through a third one. */
+function followPanel(before: Json, after: Json): void {
+  const [from, to] = [before, after].map((tree) => valueAt(tree, '/panel/port'));
+  if (to !== from && typeof to === 'number' && to > 0 && location.port === String(from)) location.port = String(to);
+}
+
 function take(answer: SettingsRevision): void {
   if (answer.revision < revision.value) return;
+  if (settings.value) followPanel(settings.value, answer.settings as Json);
   settings.value = answer.settings as Json;
   version.value = answer.version;
   revision.value = answer.revision;
