@@ -14,7 +14,7 @@ rules='
   tracking              base geometry
   vision                base image geometry
   colors                base image geometry vision
-  gpu                   base image vision pipeline/stage_notes.h
+  gpu                   base image vision
   gpu/module.cpp        gpu kit
   clips                 base image
   capture               base image geometry vision/patterns.h vision/label.h clips

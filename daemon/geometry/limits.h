@@ -22,6 +22,8 @@ inline constexpr double kMaxTime_s = 1e11;
 
 /// Robots in an image, in a packet and in the tracks: twice the number of robots that play.
 inline constexpr std::size_t kMaxRobots = 64;
+/// Things in an image that resemble robots.
+inline constexpr std::size_t kMaxMisses = 8;
 /// Balls in an image's detections. Robots and balls together fit into a datagram.
 inline constexpr std::size_t kMaxBalls = 1024;
 /// Balls of one image that the field's stack processes, and balls in the tracks.

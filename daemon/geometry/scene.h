@@ -17,6 +17,9 @@ enum class Team : std::uint8_t { kYellow = 0, kBlue = 1 };
 constexpr Team largest(Team) {
   return Team::kBlue;
 }
+constexpr const char* name_of(Team team) {
+  return team == Team::kYellow ? "yellow" : "blue";
+}
 
 /// Data needed to locate a camera's detections: the field, the camera model and the height of the teams'
 /// patterns. Immutable while a frame is processed.

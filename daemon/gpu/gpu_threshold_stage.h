@@ -2,10 +2,10 @@
 #pragma once
 
 #include "base/params.h"
+#include "base/stage_notes.h"
 #include "gpu/gpu_choice.h"
 #include "gpu/gpu_worker.h"
 #include "image/image.h"
-#include "pipeline/stage_notes.h"
 #include "vision/lut.h"
 #include "vision/mask.h"
 #include "vision/regions.h"

@@ -66,7 +66,7 @@ class Matcher {
 void add_frame(Reliability& reliability, const Frame& frame, const Json& truth) {
   Matcher robots(truth.at("robots")), balls(truth.at("balls"));
   for (const Robot& robot : frame.robots.robots) {
-    const char* team = robot.team == Team::kBlue ? "blue" : "yellow";
+    const char* team = name_of(robot.team);
     const Json* found =
         robots.match(robot.x_mm, robot.y_mm, [&](const Json& other) { return other.at("team") == team; });
     add(reliability.robots, robot.confidence, found != nullptr && found->at("id") == robot.id);

@@ -15,7 +15,7 @@ Json learnt_colors_json(const LearntColors& learnt, const LabelSet& labels_known
                       {"color", hex(dot.color)}});
     }
     robots.push_back({{"picture", robot.frame},
-                      {"team", robot.team == Team::kBlue ? "blue" : "yellow"},
+                      {"team", name_of(robot.team)},
                       {"id", robot.id < 0 ? Json() : Json(robot.id)},
                       {"pixel_x", robot.pixel_x},
                       {"pixel_y", robot.pixel_y},

@@ -75,7 +75,7 @@ double speed_of(const ReplayedCamera& camera) {
 std::string thing_text(const ClipDifference& one) {
   if (!one.team) return "ball";
   const int id = one.id_after >= 0 ? one.id_after : one.id_before;
-  return fmt::format("{} {}", *one.team == Team::kBlue ? "blue" : "yellow", id);
+  return fmt::format("{} {}", name_of(*one.team), id);
 }
 
 std::string difference_text(const ClipDifference& one) {

@@ -17,10 +17,6 @@ namespace {
 
 constexpr const char* kKinds[] = {"robots", "balls"};
 
-std::string_view name_of(Team team) {
-  return team == Team::kBlue ? "blue" : "yellow";
-}
-
 /// Corrects the line of one image.
 class Correcting {
  public:

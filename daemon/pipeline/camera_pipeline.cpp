@@ -17,6 +17,7 @@ void forget_results(Frame& frame) {
   frame.regions.capped = false;
   frame.robots.robots.clear();
   frame.robots.second_robots.clear();
+  frame.robots.misses.clear();
   frame.robots.capped = false;
   frame.balls.balls.clear();
   frame.balls.capped = false;

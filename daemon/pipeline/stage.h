@@ -21,8 +21,8 @@
 // part_codec.h must support the types of these members.
 
 #include "base/params_json.h"
+#include "base/stage_notes.h"
 #include "pipeline/own_parts.h"
-#include "pipeline/stage_notes.h"
 
 #include <algorithm>
 #include <bitset>

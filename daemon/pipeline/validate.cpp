@@ -109,6 +109,11 @@ bool is_valid(const Ball& ball) noexcept {
          is_share(ball.confidence);
 }
 
+bool is_valid(const RobotMiss& miss) noexcept {
+  return miss.why <= RobotMiss::Why::kConfidence && is_near(miss.pixel_x) && is_near(miss.pixel_y) &&
+         is_near(miss.radius_px) && is_near(miss.value) && is_near(miss.limit);
+}
+
 bool is_valid(const TrackedRobot& robot) noexcept {
   return is_name(robot.name.team, robot.name.id) && is_near(robot.place_mm) && is_near(robot.velocity_mm_s) &&
          is_near(robot.orientation_rad) && is_near(robot.turn_rad_s) && std::isfinite(robot.place_sigma_mm) &&
@@ -127,6 +132,7 @@ bool is_valid(const TrackedKick& kick) noexcept {
 
 InvalidCounts drop_invalid(RobotList& list) noexcept {
   const auto good = [](const Robot& robot) { return is_valid(robot); };
+  keep(list.misses, kMaxMisses, [](const RobotMiss& miss) { return is_valid(miss); });
   return {.robots = keep(list.robots, kMaxRobots, good) + keep(list.second_robots, kMaxRobots, good)};
 }
 

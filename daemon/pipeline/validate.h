@@ -59,6 +59,7 @@ bool is_valid(const FrameInfo& info, const FrameInfo& of_camera) noexcept;
 /// False for (0, 0, 0), the position of a camera that is not calibrated.
 bool is_camera_place(const Eigen::Vector3d& place_mm) noexcept;
 bool is_valid(const Robot& robot) noexcept;
+bool is_valid(const RobotMiss& miss) noexcept;
 bool is_valid(const Ball& ball) noexcept;
 bool is_valid(const TrackedRobot& robot) noexcept;
 bool is_valid(const TrackedBall& ball) noexcept;

@@ -165,7 +165,7 @@ Json comparison_json(const ClipComparison& comparison) {
     for (const ClipDifference& one : frame.differences) {
       Json json{{"kind", kind_name(one.kind)}};
       if (one.team) {
-        json["team"] = *one.team == Team::kBlue ? "blue" : "yellow";
+        json["team"] = name_of(*one.team);
         json["id"] = one.id_after >= 0 ? one.id_after : one.id_before;
         if (one.kind == ClipDifference::Kind::kIdChanged) json["id_before"] = one.id_before;
       }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "base/stage_notes.h"
 #include "pipeline/pipeline.h"
-#include "pipeline/stage_notes.h"
 #include "pipeline/validate.h"
 
 #include <cstddef>

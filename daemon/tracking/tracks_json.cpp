@@ -6,10 +6,6 @@
 namespace sslv {
 namespace {
 
-const char* name_of(Team team) {
-  return team == Team::kYellow ? "yellow" : "blue";
-}
-
 /// Viewers do not need more digits, and fewer digits need less bandwidth on bad Wi-Fi.
 double to_tenths(double value) {
   return std::round(value * 10) / 10;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vision/detect_robots.h"
 
+#include "geometry/limits.h"
 #include "vision/cut_off.h"
+#include "vision/miss_text.h"
 
 #include <algorithm>
 #include <bitset>
@@ -9,6 +11,10 @@
 #include <complex>
 #include <limits>
 #include <numbers>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
 
 namespace sslv {
 namespace {
@@ -42,26 +48,40 @@ double disc_area_mm2(double diameter_mm) {
   return std::numbers::pi * diameter_mm * diameter_mm / 4;
 }
 
-/// Position of the region on the plane z = `height_mm`; nullopt if its area there does not match a dot of
-/// `area_mm2` or if the mask cuts the region.
+/// Area of the region on the plane z = `height_mm`, as a share of a dot's.
+double area_ratio(const Region& region, const PatternFitter::Frame& frame, double height_mm,
+                  double dot_area_mm2) {
+  return region.area_px * frame.camera.mm2_per_px({region.x_px, region.y_px}, height_mm) / dot_area_mm2;
+}
+
+bool is_as_large(double ratio, const DetectRobots::Params& params) {
+  return ratio >= params.min_area_ratio && ratio <= params.max_area_ratio;
+}
+
+/// Position of the region on the plane z = `height_mm`; nullopt if the mask cuts the region.
 std::optional<Eigen::Vector2d> place_of(const Region& region, const PatternFitter::Frame& frame,
-                                        const Mask& mask, double height_mm, double area_mm2,
-                                        const DetectRobots::Params& params) {
-  const Eigen::Vector2d pixel(region.x_px, region.y_px);
-  const double ratio = region.area_px * frame.camera.mm2_per_px(pixel, height_mm) / area_mm2;
-  if (!(ratio >= params.min_area_ratio && ratio <= params.max_area_ratio)) return std::nullopt;
+                                        const Mask& mask, double height_mm) {
   if (is_cut_off(region, frame.image, mask)) return std::nullopt;
-  return frame.camera.unproject(pixel, height_mm);
+  return frame.camera.unproject({region.x_px, region.y_px}, height_mm);
+}
+
+bool is_nearer(const RobotMiss& a, const RobotMiss& b) {
+  return a.why != b.why ? a.why > b.why : a.dots > b.dots;
 }
 
 }  // namespace
 
 void DetectRobots::process(const Params& params, const Scene& scene, const PatternTable& patterns,
                            const Lut& lut, const Mask& mask, const FrameInfo& info, const Image& image,
-                           const RegionList& regions, RobotList& out) noexcept {
+                           const RegionList& regions, RobotList& out, StageNotes& notes) noexcept {
   out.robots.clear();
   out.second_robots.clear();
+  out.misses.clear();
   candidates_.clear();
+  misses_.clear();
+  misses_.reserve(limits::kMaxMisses);
+  out.misses.reserve(limits::kMaxMisses);
+  centers_ = {};
   explained_.assign(regions.regions.size(), 0);
   fitter_.reset_work();
   work_ = 0;
@@ -95,6 +115,7 @@ void DetectRobots::process(const Params& params, const Scene& scene, const Patte
   }
   choose(params, frame, scene, out);
   out.capped = !time_left(params);
+  report(params, now_s, out, notes);
   if (params.memory_ms == 0) return;
   memory_.remember(out, now_s, rows_);
   if (rows_.rolls()) memory_.move_to_frame(out);
@@ -133,7 +154,8 @@ void DetectRobots::collect_dots(const Params& params, const Frame& frame, double
     area_mm2 += disc_area_mm2(dot.diameter_mm) / static_cast<double>(frame.patterns.dots.size());
   for (const Label label : frame.patterns.side_colors) {
     for (const Region& region : regions.of(label)) {
-      const auto place = place_of(region, frame, mask, height_mm, area_mm2, params);
+      if (!is_as_large(area_ratio(region, frame, height_mm, area_mm2), params)) continue;
+      const auto place = place_of(region, frame, mask, height_mm);
       if (place)
         dots_.push_back({place->x(), place->y(), static_cast<std::size_t>(&region - regions.regions.data())});
     }
@@ -235,9 +257,17 @@ void DetectRobots::search_from_centers(const Params& params, const Frame& frame,
                                        const Mask& mask, const RegionList& regions) {
   const Label color = frame.patterns.team_colors[static_cast<std::size_t>(team)];
   const double area_mm2 = disc_area_mm2(frame.patterns.center_diameter_mm);
+  Centers& centers = centers_[static_cast<std::size_t>(team)];
   const auto search = [&](Label label) {
     for (const Region& region : regions.of(label)) {
-      const auto place = place_of(region, frame, mask, height_mm, area_mm2, params);
+      const double ratio = area_ratio(region, frame, height_mm, area_mm2);
+      if (!is_as_large(ratio, params)) {
+        ++centers.other;
+        if (std::abs(std::log(ratio)) < std::abs(std::log(centers.nearest))) centers.nearest = ratio;
+        continue;
+      }
+      ++centers.count;
+      const auto place = place_of(region, frame, mask, height_mm);
       if (!place) continue;
       if (!time_left(params)) return;
       // A wooden floor may have many regions that look like centre dots. Regions without side dots beside
@@ -263,7 +293,7 @@ void DetectRobots::search_around(const Params& params, const Frame& frame, doubl
   Candidate best{};
   if (start.matched + 1 == all) {
     best = examine(params, frame, start.pose, height_mm, kFewPasses);
-    if (best.proven_dots == all) return keep(frame.patterns, best);
+    if (best.proven_dots == all) return keep(params, frame, best);
   }
   // The regions alone do not prove a robot, so the search continues in the image.
   const auto center = fitter_.fit_center(frame, x_mm, y_mm, height_mm);
@@ -278,13 +308,13 @@ void DetectRobots::search_around(const Params& params, const Frame& frame, doubl
   };
   if (start.matched >= 2 && start.matched + 1 < all &&
       try_start({center.x_mm, center.y_mm, start.pose.angle_rad}))
-    return keep(frame.patterns, best);
+    return keep(params, frame, best);
   std::array<double, PatternFitter::kMaxHeadings> headings;
   const std::size_t count = fitter_.find_headings(frame, center.x_mm, center.y_mm, height_mm, headings);
   for (std::size_t i = 0; i < count; ++i) {
     if (try_start({center.x_mm, center.y_mm, headings[i]})) break;
   }
-  keep(frame.patterns, best);
+  keep(params, frame, best);
 }
 
 void DetectRobots::search_from_side_dots(const Params& params, const Frame& frame, double height_mm) {
@@ -312,7 +342,7 @@ void DetectRobots::search_from_side_dots(const Params& params, const Frame& fram
                                     dots_[i].y_mm - s * a.x_mm - c * a.y_mm);
         if (start.matched < 3) return;
         ++tries;
-        keep(patterns, examine(params, frame, start.pose, height_mm, kManyPasses));
+        keep(params, frame, examine(params, frame, start.pose, height_mm, kManyPasses));
       };
       for (std::size_t a = 0; a < patterns.dots.size(); ++a) {
         for (std::size_t b = 0; b < patterns.dots.size(); ++b) {
@@ -345,7 +375,7 @@ void DetectRobots::search_from_memory(const Params& params, const Frame& frame, 
         continue;
       }
     }
-    keep(frame.patterns, candidate);
+    keep(params, frame, candidate);
   }
 }
 
@@ -383,11 +413,88 @@ DetectRobots::Candidate DetectRobots::examine(const Params& params, const Frame&
 
 /// Adds the candidate to candidates_. Drops it if more than one of its dots is unproven, because then it
 /// cannot become a robot.
-void DetectRobots::keep(const PatternTable& patterns, const Candidate& candidate) {
-  const int all = static_cast<int>(patterns.dots.size()) + 1;
-  if (candidate.proven_dots + 1 < all || candidate.proven_dots < 3) return;
+void DetectRobots::keep(const Params& params, const Frame& frame, const Candidate& candidate) {
+  using enum RobotMiss::Why;
+  const int all = static_cast<int>(frame.patterns.dots.size()) + 1;
+  if (candidate.proven_dots + 1 < all || candidate.proven_dots < 3) {
+    if (candidate.fit.seen + 1 < all) return miss(frame.patterns, candidate, kDots);
+    if (candidate.fit.rms_mm > params.max_rms_mm)
+      return miss(frame.patterns, candidate, kFit, candidate.fit.rms_mm, params.max_rms_mm);
+    return miss(frame.patterns, candidate, kColors);
+  }
   candidates_.push_back(candidate);
-  if (candidate.proven_dots == all) explain_dots(patterns, candidate);
+  if (candidate.proven_dots == all) explain_dots(frame.patterns, candidate);
+}
+
+/// Remembers the nearest miss at each place.
+void DetectRobots::miss(const PatternTable& patterns, const Candidate& candidate, RobotMiss::Why why,
+                        double value, double limit) {
+  const PatternFit& fit = candidate.fit;
+  if (fit.seen == 0) return;
+  RobotMiss miss{why,         fit.pixel_x,
+                 fit.pixel_y, patterns.reach_mm * fit.px_per_mm,
+                 fit.seen,    static_cast<int>(patterns.dots.size()) + 1,
+                 value,       limit};
+  if (why == RobotMiss::Why::kColors) miss.dots = candidate.proven_dots;
+  const auto same = std::find_if(misses_.begin(), misses_.end(), [&](const RobotMiss& other) {
+    return distance(other.pixel_x - miss.pixel_x, other.pixel_y - miss.pixel_y) < miss.radius_px;
+  });
+  if (same != misses_.end()) {
+    if (is_nearer(miss, *same)) *same = miss;
+  } else if (misses_.size() < limits::kMaxMisses) {
+    misses_.push_back(miss);
+  }
+}
+
+/// Reports why there are no robots, or no more.
+void DetectRobots::report(const Params& params, double now_s, RobotList& out, StageNotes& notes) {
+  std::sort(misses_.begin(), misses_.end(), is_nearer);
+  for (const RobotMiss& miss : misses_) {
+    const bool is_robot = std::any_of(chosen_.begin(), chosen_.end(), [&](const Candidate* robot) {
+      return distance(robot->fit.pixel_x - miss.pixel_x, robot->fit.pixel_y - miss.pixel_y) <
+             2 * miss.radius_px;
+    });
+    if (!is_robot) out.misses.push_back(miss);
+  }
+  const bool has_blobs = centers_[0].count + centers_[0].other + centers_[1].count + centers_[1].other > 0;
+  if (out.misses.empty() && (!out.robots.empty() || !has_blobs)) {
+    if (std::exchange(is_telling_, false)) notes.clear();
+    return;
+  }
+  constexpr double kInterval_s = 1;
+  if (is_telling_ && std::abs(now_s - told_s_) < kInterval_s) return;
+  is_telling_ = true;
+  told_s_ = now_s;
+
+  std::array<char, StageNotes::kMaxText> text;
+  std::size_t length = 0;
+  const auto add = [&]<class... Args>(fmt::format_string<Args...> format, Args&&... args) {
+    const std::size_t left = text.size() - length;
+    const auto end = fmt::format_to_n(text.data() + length, left, format, std::forward<Args>(args)...);
+    length += std::min(left, end.size);
+  };
+  for (const Team team : {Team::kYellow, Team::kBlue}) {
+    const Centers& centers = centers_[static_cast<std::size_t>(team)];
+    if (!out.robots.empty() || centers.count + centers.other == 0) continue;
+    if (centers.count > 0) {
+      add("blobs as large as a {} centre dot: {}; ", name_of(team), centers.count);
+    } else {
+      add("no blob as large as a {} centre dot: of {}, the nearest has {:.0f} % of its area, allowed {:.0f} "
+          "to "
+          "{:.0f}; ",
+          name_of(team), centers.other, 100 * centers.nearest, 100 * params.min_area_ratio,
+          100 * params.max_area_ratio);
+    }
+  }
+  if (out.misses.empty()) {
+    add("no robot, and nothing that resembles one");
+  } else {
+    const RobotMiss& nearest = out.misses.front();
+    add("{} not accepted; nearest, at pixel {:.0f}, {:.0f}: ", out.misses.size(), nearest.pixel_x,
+        nearest.pixel_y);
+    length += miss_text(nearest, std::span(text).subspan(length));
+  }
+  notes.say({text.data(), length});
 }
 
 void DetectRobots::choose(const Params& params, const Frame& frame, const Scene& scene, RobotList& out) {
@@ -431,7 +538,10 @@ void DetectRobots::choose(const Params& params, const Frame& frame, const Scene&
                      kSameHeadingRad;
         });
     const bool is_remembered = remembered != memory_.entries().end();
-    if (!candidate->team && !is_remembered) continue;
+    if (!candidate->team && !is_remembered) {
+      miss(patterns, *candidate, RobotMiss::Why::kTeam);
+      continue;
+    }
     const Team team = candidate->team ? *candidate->team : remembered->team;
     const auto team_index = static_cast<std::size_t>(team);
 
@@ -451,7 +561,10 @@ void DetectRobots::choose(const Params& params, const Frame& frame, const Scene&
         possible &= last;
       }
     }
-    if (possible.count() != 1) continue;
+    if (possible.count() != 1) {
+      miss(patterns, *candidate, RobotMiss::Why::kId, static_cast<double>(possible.count()));
+      continue;
+    }
     // A candidate on the plane of the other team's height has a wrong position.
     if (candidate->height_mm != scene.height_of(team)) continue;
     const auto id = static_cast<int>(possible._Find_first());
@@ -474,6 +587,7 @@ void DetectRobots::choose(const Params& params, const Frame& frame, const Scene&
       }
       robot.confidence *= kDuplicateShare;
     } else if (robot.confidence < params.min_confidence) {
+      miss(patterns, *candidate, RobotMiss::Why::kConfidence, robot.confidence, params.min_confidence);
       continue;
     }
     taken[team_index].set(static_cast<std::size_t>(id));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/params.h"
+#include "base/stage_notes.h"
 #include "image/frame_info.h"
 #include "image/image.h"
 #include "vision/confidence.h"
@@ -80,7 +81,7 @@ class DetectRobots {
   /// colours, the result is empty.
   void process(const Params& params, const Scene& scene, const PatternTable& patterns, const Lut& lut,
                const Mask& mask, const FrameInfo& info, const Image& image, const RegionList& regions,
-               RobotList& robots) noexcept;
+               RobotList& robots, StageNotes& notes) noexcept;
 
   template <class Self>
   static auto remembered(Self& self) {
@@ -136,7 +137,10 @@ class DetectRobots {
   /// Fits the pattern and rates it.
   Candidate examine(const Params& params, const Frame& frame, const PatternPose& start, double height_mm,
                     int max_passes);
-  void keep(const PatternTable& patterns, const Candidate& candidate);
+  void keep(const Params& params, const Frame& frame, const Candidate& candidate);
+  void miss(const PatternTable& patterns, const Candidate& candidate, RobotMiss::Why why, double value = 0,
+            double limit = 0);
+  void report(const Params& params, double now_s, RobotList& robots, StageNotes& notes);
   void choose(const Params& params, const Frame& frame, const Scene& scene, RobotList& robots);
 
   PatternFitter fitter_;
@@ -148,6 +152,17 @@ class DetectRobots {
   std::vector<std::uint8_t> explained_;  // for each region: 1 if a found robot has this side dot
   std::vector<Candidate> candidates_;
   std::vector<const Candidate*> order_, chosen_;
+
+  /// Regions of a team's colour in this image.
+  struct Centers {
+    int count = 0;       // as large as a centre dot
+    int other = 0;       // smaller or larger
+    double nearest = 0;  // the area nearest to a centre dot's, as a share of it
+  };
+  std::array<Centers, 2> centers_;
+  std::vector<RobotMiss> misses_;
+  double told_s_ = 0;
+  bool is_telling_ = false;
 };
 
 }  // namespace sslv

@@ -38,12 +38,30 @@ struct Ball {
   double radius_mm = 0, radius_sigma_mm = 0;
 };
 
+/// Something that resembles a robot, and why it is none.
+struct RobotMiss {
+  /// What is wrong; later values are nearer to a robot.
+  enum class Why : std::uint8_t {
+    kDots,        // `dots` of `of` dots are at their places, the centre dot included
+    kFit,         // the dots' rms distance from their places, `value` in mm, is above `limit`
+    kColors,      // `dots` of `of` dots have a certain colour
+    kTeam,        // the centre dot has neither team's colour
+    kId,          // the colours are those of `value` ids; must be 1
+    kConfidence,  // `value` is below `limit`
+  };
+  Why why;
+  double pixel_x, pixel_y, radius_px;
+  int dots, of;
+  double value, limit;
+};
+
 /// Both lists are sorted by falling confidence. They are distinct types, so that each is a separate part of a
 /// frame.
 struct RobotList {
   std::vector<Robot> robots;
   bool capped = false;                 // the search reached its limit of work: the frame is flagged
   std::vector<Robot> second_robots{};  // left out of `robots`, which already has their ids
+  std::vector<RobotMiss> misses{};     // nearest first
 };
 /// See RobotList.
 struct BallList {

@@ -2,8 +2,11 @@
 #include "vision/detections_json.h"
 
 #include "vision/label.h"
+#include "vision/miss_text.h"
 
 #include <algorithm>
+#include <array>
+#include <string>
 #include <vector>
 
 namespace sslv {
@@ -11,7 +14,7 @@ namespace sslv {
 Json detections_json(const RobotList& robots, const BallList& balls) {
   Json out{{"robots", Json::array()}, {"balls", Json::array()}};
   for (const Robot& robot : robots.robots) {
-    out["robots"].push_back({{"team", robot.team == Team::kBlue ? "blue" : "yellow"},
+    out["robots"].push_back({{"team", name_of(robot.team)},
                              {"id", robot.id},
                              {"x", robot.x_mm},
                              {"y", robot.y_mm},
@@ -28,6 +31,18 @@ Json detections_json(const RobotList& robots, const BallList& balls) {
                             {"area", ball.area_px},
                             {"pixel_x", ball.pixel_x},
                             {"pixel_y", ball.pixel_y}});
+  }
+  return out;
+}
+
+Json misses_json(const RobotList& robots) {
+  Json out = Json::array();
+  for (const RobotMiss& miss : robots.misses) {
+    std::array<char, 128> text;
+    out.push_back({{"pixel_x", miss.pixel_x},
+                   {"pixel_y", miss.pixel_y},
+                   {"radius", miss.radius_px},
+                   {"text", std::string(text.data(), miss_text(miss, text))}});
   }
   return out;
 }

@@ -58,6 +58,7 @@ class Messages {
     data["width"] = view_.image.width;
     data["height"] = view_.image.height;
     data.update(view_.detections);
+    if (!view_.misses.empty()) data["misses"] = view_.misses;
     if (wish.regions) data["regions"] = view_.regions ? view_.regions() : Json(nullptr);
     previews_.push_back(
         {picture.kind, width, wish.quality, wish.regions, preview_message(to_text(data), jpeg)});

@@ -28,6 +28,7 @@ struct View {
   std::uint32_t frame_number = 0;
   double t_capture_s = 0;
   Json detections;  // {"robots": [...], "balls": [...]} as in docs/openapi.json
+  Json misses;      // things that resemble robots, as in PreviewHeader
 
   /// PreviewRegions of docs/openapi.json; not set if the camera's stack makes no runs.
   std::function<Json()> regions;

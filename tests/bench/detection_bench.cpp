@@ -171,6 +171,7 @@ struct Stages {
   DetectBalls balls;
   RobotList robot_list;
   BallList ball_list;
+  StageNotes notes;
 };
 
 void bench_stages(const std::shared_ptr<const Lut>& lut) {
@@ -193,7 +194,8 @@ void bench_stages(const std::shared_ptr<const Lut>& lut) {
       }
       const double robots_us = median_us(pictures.size(), [&](std::size_t i) {
         stages.robots.process(no_memory, scene, league_patterns(), *lut, Mask(), {},
-                              Image(pictures[i].view, nullptr, nullptr, nullptr), regions[i], robots[i]);
+                              Image(pictures[i].view, nullptr, nullptr, nullptr), regions[i], robots[i],
+                              stages.notes);
       });
       const double balls_us = median_us(pictures.size(), [&](std::size_t i) {
         stages.balls.process({}, scene, *lut, Mask(), {}, Image(pictures[i].view, nullptr, nullptr, nullptr),
@@ -237,8 +239,8 @@ void bench_hostile(const std::shared_ptr<const Lut>& lut) {
     Segment().process({}, *lut, Mask(), image, runs, regions);
     Stages stages;
     const double robots_us = median_us(1, [&](std::size_t) {
-      stages.robots.process({}, scene, league_patterns(), *lut, Mask(), {}, image, regions,
-                            stages.robot_list);
+      stages.robots.process({}, scene, league_patterns(), *lut, Mask(), {}, image, regions, stages.robot_list,
+                            stages.notes);
     });
     const double balls_us = median_us(1, [&](std::size_t) {
       stages.balls.process({}, scene, *lut, Mask(), {}, image, regions, stages.robot_list, stages.ball_list);

@@ -276,7 +276,8 @@ RobotList DrawnScene::robots_by(DetectRobots& detector, double t_s, const Detect
   FrameInfo info;
   info.times.t_capture_s = t_s;
   const RegionList& found = regions();
-  detector.process(params, scene_, league_patterns(), lut(), Mask(), info, image(), found, out);
+  StageNotes notes;
+  detector.process(params, scene_, league_patterns(), lut(), Mask(), info, image(), found, out, notes);
   return out;
 }
 

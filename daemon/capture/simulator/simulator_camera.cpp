@@ -62,10 +62,6 @@ double swing_at(const std::vector<std::array<double, 2>>& swing, double t_s) {
   return from + ((*next)[1] - from) * (at - from_s) / ((*next)[0] - from_s);
 }
 
-const char* name_of(Team team) {
-  return team == Team::kBlue ? "blue" : "yellow";
-}
-
 }  // namespace
 
 SimulatedCamera::SimulatedCamera(const SimulatorOptions& options, const SourceContext& context,

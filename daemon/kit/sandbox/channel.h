@@ -5,8 +5,8 @@
 // and only read by the other. One request at a time: the service writes it, increments `request` and waits
 // until `answer` equals `request`.
 
+#include "base/stage_notes.h"
 #include "image/image.h"
-#include "pipeline/stage_notes.h"
 
 #include <array>
 #include <atomic>

@@ -35,6 +35,7 @@ void empty(RegionList& part) {
 void empty(RobotList& part) {
   part.robots.clear();
   part.second_robots.clear();
+  part.misses.clear();
   part.capped = false;
 }
 void empty(BallList& part) {

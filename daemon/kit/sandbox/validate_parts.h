@@ -41,7 +41,7 @@ constexpr std::size_t max_bytes(std::type_identity<RegionList>) {
   return with_lists(kMaxRegions * sizeof(Region));
 }
 constexpr std::size_t max_bytes(std::type_identity<RobotList>) {
-  return with_lists(2 * limits::kMaxRobots * sizeof(Robot));
+  return with_lists(2 * limits::kMaxRobots * sizeof(Robot) + limits::kMaxMisses * sizeof(RobotMiss));
 }
 constexpr std::size_t max_bytes(std::type_identity<BallList>) {
   return with_lists(limits::kMaxBalls * sizeof(Ball));

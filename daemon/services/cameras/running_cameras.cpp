@@ -159,6 +159,7 @@ std::optional<View> RunningCameras::wait_view(std::uint32_t camera_id, std::uint
             frame.info.number,
             frame.info.times.t_capture_s,
             detections_json(frame.robots, frame.balls),
+            misses_json(frame.robots),
             {},
             {}};
   if (frame.runs.width > 0) {

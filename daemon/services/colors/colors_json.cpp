@@ -45,7 +45,7 @@ Json taught_json(const LearntColors& learnt, std::size_t picture) {
   for (const LearntRobot& robot : learnt.robots) {
     if (robot.frame != picture) continue;
     out.push_back({{"kind", "robot"},
-                   {"team", robot.team == Team::kYellow ? "yellow" : "blue"},
+                   {"team", name_of(robot.team)},
                    {"x", robot.pixel_x},
                    {"y", robot.pixel_y},
                    {"radius", kTopRadius_mm * robot.px_per_mm}});

@@ -99,7 +99,7 @@ Json to_json(const AgreementNow& now) {
   }
   for (std::size_t i = 0; i < now.height_count; ++i) {
     const auto& one = now.heights[i];
-    out["heights"].push_back({{"team", one.team == static_cast<int>(Team::kYellow) ? "yellow" : "blue"},
+    out["heights"].push_back({{"team", name_of(static_cast<Team>(one.team))},
                               {"id", one.id},
                               {"more_mm", to_hundredths(one.more_mm)},
                               {"sigma_mm", to_hundredths(one.sigma_mm)}});

@@ -42,7 +42,7 @@ const char* name_of(ClipDifference::Kind kind) {
 std::string what_of(const ClipDifference& difference) {
   if (!difference.team) return "ball";
   const int id = difference.id_after >= 0 ? difference.id_after : difference.id_before;
-  return fmt::format("{} {}", *difference.team == Team::kBlue ? "blue" : "yellow", id);
+  return fmt::format("{} {}", name_of(*difference.team), id);
 }
 
 Json frames_json(const ClipReader& clip) {

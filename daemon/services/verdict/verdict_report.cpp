@@ -28,10 +28,6 @@ constexpr double kTeamGone_s = 3;
 /// Time from the service's start until every robot in view was seen.
 constexpr double kWatched_s = 5;
 
-const char* name_of(Team team) {
-  return team == Team::kYellow ? "yellow" : "blue";
-}
-
 std::string place_text(const Eigen::Vector2d& place_mm) {
   return fmt::format("({:.0f}, {:.0f}) mm", place_mm.x(), place_mm.y());
 }

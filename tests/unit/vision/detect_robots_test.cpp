@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 namespace sslv::detect_robots_test {
@@ -269,6 +270,95 @@ TEST(DetectRobots, SpecksOfTheDotsColoursOnTheTopDoNoHarm) {
   }
 }
 
+// ---- things that resemble robots
+
+class Missed : public ::testing::Test {
+ protected:
+  RobotList& process(double t_s, const DetectRobots::Params& params = {},
+                     const PatternTable& patterns = league_patterns()) {
+    FrameInfo info;
+    info.times.t_capture_s = t_s;
+    detector_.process(params, drawn_.scene(), patterns, drawn_.lut(), Mask(), info, drawn_.image(),
+                      drawn_.regions(), out_, notes_);
+    return out_;
+  }
+  void cover_dot(std::size_t dot, Rgb color) {
+    const SimulatedRobot robot = drawn_.things().robots.back();
+    const PatternDot& place = league_patterns().dots[dot];
+    cover_on_top(drawn_, robot, place.x_mm, place.y_mm, place.diameter_mm / 2 + 1, color);
+  }
+
+  DrawnScene drawn_{plain_options(PixelFormat::kUyvy, 2)};
+  DetectRobots detector_;
+  RobotList out_;
+  StageNotes notes_;
+};
+
+TEST_F(Missed, ARobotWithoutTwoDotsIsReportedUntilItIsWhole) {
+  drawn_.add_robot(Team::kYellow, 2, 1300, 500, 0.4);
+  const Robot whole = process(1).robots.at(0);
+  EXPECT_THAT(out_.misses, IsEmpty());
+  EXPECT_EQ(notes_.read().kind, StageNotes::Kind::kNone);
+  cover_dot(0, kTopColor);
+  cover_dot(2, kTopColor);
+  process(2);
+  ASSERT_THAT(out_.misses, SizeIs(1));
+  const RobotMiss& miss = out_.misses[0];
+  EXPECT_EQ(miss.why, RobotMiss::Why::kDots);
+  EXPECT_EQ(miss.dots, 3);
+  EXPECT_EQ(miss.of, 5);
+  EXPECT_NEAR(miss.pixel_x, whole.pixel_x, 2);
+  EXPECT_NEAR(miss.pixel_y, whole.pixel_y, 2);
+  EXPECT_GT(miss.radius_px, 5);
+  const std::string pixel = fmt::format("at pixel {:.0f}, {:.0f}", miss.pixel_x, miss.pixel_y);
+  EXPECT_EQ(notes_.read().text, "blobs as large as a yellow centre dot: 1; 1 not accepted; nearest, " +
+                                    pixel + ": 3 of 5 dots are at their places");
+  drawn_.clear();
+  drawn_.add_robot(Team::kYellow, 2, 1300, 500, 0.4);
+  process(3);
+  EXPECT_THAT(out_.misses, IsEmpty());
+  EXPECT_EQ(notes_.read().kind, StageNotes::Kind::kNone);
+}
+
+TEST_F(Missed, ColoursThatAreNotCertainAreReported) {
+  drawn_.add_robot(Team::kBlue, 2, 1300, 500, 0.4);
+  for (const std::size_t dot : {0U, 1U}) cover_dot(dot, {205, 205, 200});
+  process(1);
+  ASSERT_THAT(out_.misses, SizeIs(1));
+  EXPECT_EQ(out_.misses[0].why, RobotMiss::Why::kColors);
+  EXPECT_EQ(out_.misses[0].dots, 3);
+}
+
+TEST_F(Missed, ARobotWithTwoPossibleIdsIsReported) {
+  drawn_.add_robot(Team::kBlue, 2, 1300, 500, 0.4, 1);
+  process(1);
+  ASSERT_THAT(out_.misses, SizeIs(1));
+  EXPECT_EQ(out_.misses[0].why, RobotMiss::Why::kId);
+  EXPECT_EQ(out_.misses[0].value, 2);
+}
+
+TEST_F(Missed, ARobotBelowTheConfidenceIsReported) {
+  drawn_.add_robot(Team::kBlue, 2, 1300, 500, 0.4);
+  DetectRobots::Params params;
+  params.min_confidence = 1;
+  process(1, params);
+  ASSERT_THAT(out_.misses, SizeIs(1));
+  EXPECT_EQ(out_.misses[0].why, RobotMiss::Why::kConfidence);
+  EXPECT_THAT(notes_.read().text, testing::EndsWith("needed 1.00"));
+}
+
+TEST_F(Missed, DotsOfAnotherSizeAreReported) {
+  drawn_.add_robot(Team::kBlue, 2, 1300, 500, 0.4);
+  PatternTable large = league_patterns();
+  large.center_diameter_mm *= 3;
+  process(1, {}, large);
+  EXPECT_THAT(out_.robots, IsEmpty());
+  EXPECT_THAT(
+      notes_.read().text,
+      testing::MatchesRegex("no blob as large as a blue centre dot: of [0-9]+, the nearest has 1[0-9] % of "
+                            "its area, allowed 20 to 250; no robot, and nothing that resembles one"));
+}
+
 // ---- partly hidden robots
 
 /// Expects no robot to be reported with only three visible side dots, which leave two possible ids.
@@ -445,7 +535,9 @@ TEST(DetectRobots, MemoryDoesNotGoWhereTheMaskHides) {
     RobotList out;
     FrameInfo info;
     info.times.t_capture_s = 100.016;
-    detector.process({}, drawn.scene(), league_patterns(), drawn.lut(), mask, info, drawn.image(), {}, out);
+    StageNotes notes;
+    detector.process({}, drawn.scene(), league_patterns(), drawn.lut(), mask, info, drawn.image(), {}, out,
+                     notes);
     return out.robots.size();
   };
   const auto robot = drawn.robots().robots.at(0);
@@ -662,8 +754,9 @@ TEST(DetectRobots, NothingInAPictureWithoutColours) {
   RobotList out;
   FrameInfo info;
   info.times.t_capture_s = 1.016;
+  StageNotes notes;
   detector.process({}, drawn.scene(), league_patterns(), drawn.lut(), Mask(), info, drawn.image(),
-                   colored.regions(), out);
+                   colored.regions(), out, notes);
   EXPECT_THAT(out.robots, IsEmpty());
 }
 
@@ -684,8 +777,9 @@ TEST(DetectRobots, APictureOfAnotherSizeThanTheCalibrationsIsSurvived) {
     RobotList out;
     FrameInfo info;
     info.times.t_capture_s = 1.016;
+    StageNotes notes;
     detector.process({}, small.scene(), league_patterns(), small.lut(), Mask(), info, small.image(),
-                     large.regions(), out);
+                     large.regions(), out, notes);
     EXPECT_LE(out.robots.size(), 2U);
   }
 }
@@ -722,6 +816,7 @@ TEST(DetectRobots, ThousandsOfBlobsEndAndAllocateNothingTheSecondTime) {
   RunList runs;
   RegionList regions;
   RobotList out;
+  StageNotes notes;
   const Mask mask;
   for (unsigned seed = 1; seed <= 2; ++seed) {
     const Confetti confetti(seed);
@@ -735,7 +830,7 @@ TEST(DetectRobots, ThousandsOfBlobsEndAndAllocateNothingTheSecondTime) {
         FrameInfo info;
         info.times.t_capture_s = t_s;
         detector.process(params, drawn.scene(), league_patterns(), drawn.lut(), mask, info, image, regions,
-                         out);
+                         out, notes);
       };
       process(1);
       EXPECT_TRUE(out.capped) << most;

@@ -23,10 +23,18 @@ export interface BallMark {
   radius: number;
 }
 
+/** A thing that resembles a robot. */
+export interface MissMark {
+  centre: Point;
+  radius: number;
+  text: string;
+}
+
 export interface Marks {
   size: Size;
   robots: RobotMark[];
   balls: BallMark[];
+  misses: MissMark[];
 }
 
 /** Radius of a ring without a calibration, as a share of the image's width. */
@@ -94,7 +102,9 @@ export function marks(header: PreviewHeader, radii: Radii, model: CameraModel | 
     const radius = model ? Math.hypot(ux.x, ux.y) : Math.sqrt(ball.area / Math.PI);
     return { key: String(i), ball, centre: turnPixel(turn, picture, { x: ball.pixel_x, y: ball.pixel_y }), radius: radius * BALL_RING };
   });
-  return { size: turnedSize(turn, picture), robots, balls };
+  const misses = (header.misses ?? []).map(({ pixel_x, pixel_y, radius, text }) =>
+    ({ centre: turnPixel(turn, picture, { x: pixel_x, y: pixel_y }), radius, text }));
+  return { size: turnedSize(turn, picture), robots, balls, misses };
 }
 
 /** For a recorded packet without the robot's number. */
