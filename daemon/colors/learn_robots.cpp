@@ -122,7 +122,8 @@ class PatternSearch {
       const std::size_t count = fitter_.find_headings(frame, center.x_mm, center.y_mm, height_mm, angles);
       for (std::size_t i = 0; i < count; ++i) {
         const PatternFit fit =
-            fitter_.fit(frame, {center.x_mm, center.y_mm, angles[i]}, height_mm, kMaxPasses);
+            fitter_.fit(frame, search_.patterns.with_center_at(center.x_mm, center.y_mm, angles[i]),
+                        height_mm, kMaxPasses);
         auto robot = whole(fit, search_.patterns);
         if (!robot) continue;
         robot->frame = frame_;

@@ -247,7 +247,9 @@ std::optional<RobotBound> robot_bound(const BoundPicture& picture, std::span<con
   const Eigen::MatrixXd weight = noise.inverse();
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i <= patterns.dots.size(); ++i) {
-    const PatternDot dot = i == 0 ? PatternDot{0, 0, patterns.center_diameter_mm} : patterns.dots[i - 1];
+    const PatternDot dot =
+        i == 0 ? PatternDot{patterns.center_x_mm, patterns.center_y_mm, patterns.center_diameter_mm}
+               : patterns.dots[i - 1];
     bool in_view = false;
     const DotPixels pixels = draw(picture, moments, dot, in_view);
     if (!in_view) return std::nullopt;

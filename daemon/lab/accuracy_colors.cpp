@@ -122,8 +122,8 @@ class PlaceFinder {
           robot.at("y").get<double>() + std::sin(turn_rad) * x_mm + std::cos(turn_rad) * y_mm,
           robot.at("height"));
     };
-    add(robot.at("team") == "blue" ? label::kBlue : label::kYellow, on_top(0, 0),
-        patterns_.center_diameter_mm / 2);
+    add(robot.at("team") == "blue" ? label::kBlue : label::kYellow,
+        on_top(patterns_.center_x_mm, patterns_.center_y_mm), patterns_.center_diameter_mm / 2);
     for (std::size_t i = 0; i < patterns_.dots.size(); ++i) {
       const PatternDot& dot = patterns_.dots[i];
       add(code->colors[i], on_top(dot.x_mm, dot.y_mm), dot.diameter_mm / 2);

@@ -183,13 +183,13 @@ void DetectRobots::explain_dots(const PatternTable& patterns, const Candidate& f
   }
 }
 
-/// Finds the rotation of the pattern about a centre for which the largest number of side dots lie on regions,
-/// and the pose that fits these regions and the centre best.
+/// Finds the rotation of the pattern about a centre dot for which the largest number of side dots lie on
+/// regions, and the pose that fits these regions and the centre best.
 DetectRobots::Start DetectRobots::arrange(const PatternTable& patterns, double x_mm, double y_mm) {
   using Point = std::complex<double>;
-  std::array<Point, kMaxNear> near;  // positions relative to the centre
+  std::array<Point, kMaxNear> near;  // positions relative to the centre dot
   std::size_t count = 0;
-  const double reach_mm = patterns.reach_mm + kNearMm;
+  const double reach_mm = patterns.arm_mm + kNearMm;
   for (auto dot = first_dot_right_of(x_mm - reach_mm);
        dot != dots_.end() && dot->x_mm < x_mm + reach_mm && count < kMaxNear; ++dot) {
     const Point at(dot->x_mm - x_mm, dot->y_mm - y_mm);
@@ -201,7 +201,8 @@ DetectRobots::Start DetectRobots::arrange(const PatternTable& patterns, double x
   std::array<Point, PatternTable::kMaxDots> place_of_dot;
   std::array<double, PatternTable::kMaxDots> length_of_dot;
   for (std::size_t i = 0; i < sides; ++i) {
-    place_of_dot[i] = {patterns.dots[i].x_mm, patterns.dots[i].y_mm};
+    place_of_dot[i] = {patterns.dots[i].x_mm - patterns.center_x_mm,
+                       patterns.dots[i].y_mm - patterns.center_y_mm};
     length_of_dot[i] = std::sqrt(std::norm(place_of_dot[i]));
   }
   int most = 0;
@@ -240,7 +241,7 @@ DetectRobots::Start DetectRobots::arrange(const PatternTable& patterns, double x
       if (matched > most || (matched == most && error < min_error)) {
         most = matched;
         min_error = error;
-        // Least squares with the centre as an additional point, which is at 0 in both point sets (Umeyama
+        // Least squares with the centre dot as an additional point, which is at 0 in both point sets (Umeyama
         // 1991, without scale).
         matched_weight = 1.0 / (matched + 1);
         turn_dots = sum_turn - sum_seen * std::conj(sum_model) * matched_weight;
@@ -250,7 +251,7 @@ DetectRobots::Start DetectRobots::arrange(const PatternTable& patterns, double x
     }
   }
   if (most == 0) return {{x_mm, y_mm, 0}, 0};
-  return {{x_mm + shift.real(), y_mm + shift.imag(), std::arg(turn_dots)}, most};
+  return {patterns.with_center_at(x_mm + shift.real(), y_mm + shift.imag(), std::arg(turn_dots)), most};
 }
 
 void DetectRobots::search_from_centers(const Params& params, const Frame& frame, Team team, double height_mm,
@@ -307,12 +308,12 @@ void DetectRobots::search_around(const Params& params, const Frame& frame, doubl
     return best.proven_dots == all;
   };
   if (start.matched >= 2 && start.matched + 1 < all &&
-      try_start({center.x_mm, center.y_mm, start.pose.angle_rad}))
+      try_start(frame.patterns.with_center_at(center.x_mm, center.y_mm, start.pose.angle_rad)))
     return keep(params, frame, best);
   std::array<double, PatternFitter::kMaxHeadings> headings;
   const std::size_t count = fitter_.find_headings(frame, center.x_mm, center.y_mm, height_mm, headings);
   for (std::size_t i = 0; i < count; ++i) {
-    if (try_start({center.x_mm, center.y_mm, headings[i]})) break;
+    if (try_start(frame.patterns.with_center_at(center.x_mm, center.y_mm, headings[i]))) break;
   }
   keep(params, frame, best);
 }
@@ -338,8 +339,9 @@ void DetectRobots::search_from_side_dots(const Params& params, const Frame& fram
         // Rotation that maps the two pattern dots to the two regions.
         const double length2 = apart_mm * distance(mx, my);
         const double c = (dx * mx + dy * my) / length2, s = (dy * mx - dx * my) / length2;
-        const Start start = arrange(patterns, dots_[i].x_mm - c * a.x_mm + s * a.y_mm,
-                                    dots_[i].y_mm - s * a.x_mm - c * a.y_mm);
+        const double ahead_mm = patterns.center_x_mm - a.x_mm, left_mm = patterns.center_y_mm - a.y_mm;
+        const Start start = arrange(patterns, dots_[i].x_mm + c * ahead_mm - s * left_mm,
+                                    dots_[i].y_mm + s * ahead_mm + c * left_mm);
         if (start.matched < 3) return;
         ++tries;
         keep(params, frame, examine(params, frame, start.pose, height_mm, kManyPasses));
@@ -369,7 +371,8 @@ void DetectRobots::search_from_memory(const Params& params, const Frame& frame, 
     if (!pixel || !mask.shows(pixel->x(), pixel->y())) continue;
     Candidate candidate = examine(params, frame, expected, height_mm, kManyPasses);
     if (candidate.proven_dots < static_cast<int>(frame.patterns.dots.size())) {
-      const auto center = fitter_.fit_center(frame, expected.x_mm, expected.y_mm, height_mm);
+      const auto [x_mm, y_mm] = frame.patterns.center_of(expected);
+      const auto center = fitter_.fit_center(frame, x_mm, y_mm, height_mm);
       if (center.seen) {
         search_around(params, frame, center.x_mm, center.y_mm, height_mm, 0);
         continue;

@@ -138,7 +138,8 @@ PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double heig
   for (int pass = 1;; ++pass) {
     const double angle = start.angle_rad + moved.z(), c = std::cos(angle), s = std::sin(angle);
     const DiscOutline outline{moved.x(), moved.y(), c, s, outline_mm, front_mm};
-    arms[0] = Eigen::Vector2d::Zero();
+    arms[0] = {c * patterns.center_x_mm - s * patterns.center_y_mm,
+               s * patterns.center_x_mm + c * patterns.center_y_mm};
     for (std::size_t i = 0; i <= sides; ++i) {
       double diameter_mm = patterns.center_diameter_mm;
       if (i > 0) {
@@ -253,8 +254,9 @@ PatternFit PatternFitter::fit(const Frame& frame, PatternPose start, double heig
     out.mean_r2 = sum_r2 / out.seen;
     out.pose = {start.x_mm + moved.x(), start.y_mm + moved.y(),
                 std::remainder(start.angle_rad + moved.z(), 2 * std::numbers::pi)};
-    out.pixel_x = out.dots[PatternFit::kCenter].pixel_x;
-    out.pixel_y = out.dots[PatternFit::kCenter].pixel_y;
+    const Eigen::Vector2d middle = patch->pixel + patch->to_pixel(moved.head<2>());
+    out.pixel_x = middle.x();
+    out.pixel_y = middle.y();
     out.pose.x_mm += mm_per_row.x() * (out.pixel_y - patch->pixel.y());
     out.pose.y_mm += mm_per_row.y() * (out.pixel_y - patch->pixel.y());
     out.px_per_mm = 1 / patch->mm_per_px();
@@ -306,7 +308,7 @@ PatternFitter::Center PatternFitter::fit_center(const Frame& frame, double x_mm,
 std::size_t PatternFitter::find_headings(const Frame& frame, double x_mm, double y_mm, double height_mm,
                                          std::array<double, kMaxHeadings>& angles_rad) noexcept {
   const PatternTable& patterns = frame.patterns;
-  const auto patch = plane_patch(frame.camera, {x_mm, y_mm}, height_mm, patterns.reach_mm);
+  const auto patch = plane_patch(frame.camera, {x_mm, y_mm}, height_mm, patterns.arm_mm);
   if (!patch) return 0;
   work_ += 6;
 

@@ -33,7 +33,7 @@ struct PatternFit {
   static constexpr std::size_t kCenter = PatternTable::kMaxDots;  // the centre dot's index in `dots`
 
   PatternPose pose;
-  double pixel_x = 0, pixel_y = 0;  // the pattern's centre
+  double pixel_x = 0, pixel_y = 0;  // the robot's centre
   double px_per_mm = 0;
   std::array<PatternDotFit, PatternTable::kMaxDots + 1> dots;
   int seen = 0;                    // number of dots seen, including the centre
@@ -57,10 +57,10 @@ class PatternFitter {
     double blur_px;
   };
 
-  /// Starts at `start`, which should be accurate to about 5 mm. Takes up to `max_passes` Gauss-Newton steps,
-  /// fewer if the steps become small. `seen` is 0 if fewer than three dots are seen. With a rolling shutter,
-  /// the pattern moves by `mm_per_row` from each row of the image to the next; the result is its pose when
-  /// the row of its centre was exposed.
+  /// Starts at the robot's pose `start`, which should be accurate to about 5 mm. Takes up to `max_passes`
+  /// Gauss-Newton steps, fewer if the steps become small. `seen` is 0 if fewer than three dots are seen. With
+  /// a rolling shutter, the pattern moves by `mm_per_row` from each row of the image to the next; the result
+  /// is its pose when the row of its centre was exposed.
   PatternFit fit(const Frame& frame, PatternPose start, double height_mm, int max_passes,
                  const Eigen::Vector2d& mm_per_row = Eigen::Vector2d::Zero()) noexcept;
 
@@ -71,9 +71,9 @@ class PatternFitter {
   };
   Center fit_center(const Frame& frame, double x_mm, double y_mm, double height_mm) noexcept;
 
-  /// Searches for side dots around a centre. Writes the likeliest headings to `angles_rad`, best first, and
-  /// returns their number, 0 if nothing looks like the pattern. Needs neither regions nor colours, because
-  /// dots differ from the black between the dots.
+  /// Searches for side dots around a centre dot. Writes the likeliest headings to `angles_rad`, best first,
+  /// and returns their number, 0 if nothing looks like the pattern. Needs neither regions nor colours,
+  /// because dots differ from the black between the dots.
   static constexpr std::size_t kMaxHeadings = 3;
   std::size_t find_headings(const Frame& frame, double x_mm, double y_mm, double height_mm,
                             std::array<double, kMaxHeadings>& angles_rad) noexcept;

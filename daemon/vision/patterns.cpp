@@ -19,7 +19,18 @@ namespace {
 /// Two dots of a pattern that lie closer than this after a rotation cannot be distinguished reliably.
 constexpr double kMinDotDistanceMm = 12;
 
-/// All rotations that map all dots to dots: `same[i]` is the dot that dot i is mapped to.
+/// Side dots relative to the centre dot.
+std::vector<PatternDot> around_center(const PatternTable& table) {
+  std::vector<PatternDot> dots = table.dots;
+  for (PatternDot& dot : dots) {
+    dot.x_mm -= table.center_x_mm;
+    dot.y_mm -= table.center_y_mm;
+  }
+  return dots;
+}
+
+/// All rotations about the centre dot that map all dots to dots: `same[i]` is the dot that dot i is mapped
+/// to.
 std::vector<std::vector<std::size_t>> symmetries(const std::vector<PatternDot>& dots) {
   std::vector<std::vector<std::size_t>> found;
   for (std::size_t target = 0; target < dots.size(); ++target) {
@@ -41,7 +52,7 @@ std::vector<std::vector<std::size_t>> symmetries(const std::vector<PatternDot>& 
 }
 
 void refuse_look_alikes(const PatternTable& table, const std::string& path) {
-  for (const auto& same : symmetries(table.dots)) {
+  for (const auto& same : symmetries(around_center(table))) {
     for (std::size_t a = 0; a < table.codes.size(); ++a) {
       for (std::size_t b = 0; b < a; ++b) {
         bool alike = true;
@@ -66,6 +77,7 @@ constexpr std::array kKeys{
     Key{"name", true},
     Key{"center_diameter_mm", true},
     Key{"dot_diameter_mm", true},
+    Key{"center", false},
     Key{"dots", true},
     Key{"codes", true},
     Key{"team_colors", false},
@@ -116,19 +128,25 @@ std::vector<PatternDot> dots_of(const Json& dots, double diameter_mm, const std:
   return out;
 }
 
-/// Fills reach_mm and gap_mm, and refuses dots that overlap or extend beyond the rim.
+/// Fills reach_mm, arm_mm and gap_mm, and refuses dots that overlap or extend beyond the rim.
 void measure(PatternTable& table, const std::string& path) {
   table.gap_mm = 1000;
-  const PatternDot center{0, 0, table.center_diameter_mm};
-  for (std::size_t i = 0; i < table.dots.size(); ++i) {
-    const PatternDot& dot = table.dots[i];
+  const PatternDot center{table.center_x_mm, table.center_y_mm, table.center_diameter_mm};
+  const auto check_rim = [&](const PatternDot& dot, const std::string& where) {
     const double out_mm = std::hypot(dot.x_mm, dot.y_mm) + dot.diameter_mm / 2;
     table.reach_mm = std::max(table.reach_mm, out_mm);
     if (out_mm > table.top_radius_mm || dot.x_mm + dot.diameter_mm / 2 > table.top_front_mm) {
       throw SettingsError(
-          fmt::format("{}/dots/{}: extends beyond the rim of the top (top_radius_mm {}, top_front_mm {})",
-                      path, i, table.top_radius_mm, table.top_front_mm));
+          fmt::format("{}/{}: extends beyond the rim of the top (top_radius_mm {}, top_front_mm {})", path,
+                      where, table.top_radius_mm, table.top_front_mm));
     }
+  };
+  check_rim(center, "center");
+  for (std::size_t i = 0; i < table.dots.size(); ++i) {
+    const PatternDot& dot = table.dots[i];
+    check_rim(dot, fmt::format("dots/{}", i));
+    table.arm_mm = std::max(table.arm_mm,
+                            std::hypot(dot.x_mm - center.x_mm, dot.y_mm - center.y_mm) + dot.diameter_mm / 2);
     for (std::size_t j = 0; j <= i; ++j) {
       const PatternDot& other = j == 0 ? center : table.dots[j - 1];
       const double gap_mm = std::hypot(dot.x_mm - other.x_mm, dot.y_mm - other.y_mm) -
@@ -143,7 +161,8 @@ void measure(PatternTable& table, const std::string& path) {
 }
 
 void collect_rings(PatternTable& table) {
-  for (const PatternDot& dot : table.dots) {
+  const std::vector<PatternDot> dots = around_center(table);
+  for (const PatternDot& dot : dots) {
     const double radius_mm = std::hypot(dot.x_mm, dot.y_mm);
     auto ring = std::find_if(table.rings.begin(), table.rings.end(), [&](const PatternTable::Ring& r) {
       return std::abs(r.radius_mm - radius_mm) < dot.diameter_mm / 8;
@@ -159,10 +178,13 @@ void collect_rings(PatternTable& table) {
       const double next = i + 1 < angles.size() ? angles[i + 1] : angles[0] + 2 * std::numbers::pi;
       const double middle = (angles[i] + next) / 2;
       const double x_mm = ring.radius_mm * std::cos(middle), y_mm = ring.radius_mm * std::sin(middle);
-      const bool on_dot = std::any_of(table.dots.begin(), table.dots.end(), [&](const PatternDot& dot) {
+      const bool on_dot = std::any_of(dots.begin(), dots.end(), [&](const PatternDot& dot) {
         return std::hypot(x_mm - dot.x_mm, y_mm - dot.y_mm) < dot.diameter_mm / 2 + ring.spread_mm;
       });
-      if (!on_dot && x_mm + ring.spread_mm < table.top_front_mm) ring.gap_angles_rad.push_back(middle);
+      const double top_x_mm = x_mm + table.center_x_mm, top_y_mm = y_mm + table.center_y_mm;
+      const bool on_top = top_x_mm + ring.spread_mm < table.top_front_mm &&
+                          std::hypot(top_x_mm, top_y_mm) + ring.spread_mm < table.top_radius_mm;
+      if (!on_dot && on_top) ring.gap_angles_rad.push_back(middle);
     }
   }
 }
@@ -187,6 +209,12 @@ PatternTable parse_patterns(const std::string& text, const std::string& path, co
   table.top_front_mm = json.contains("top_front_mm")
                            ? millimetres(json["top_front_mm"], path + "/top_front_mm", 1, 1000)
                            : table.top_radius_mm;
+  if (json.contains("center")) {
+    const Json& center = json["center"];
+    if (!center.is_array() || center.size() != 2) refuse(path + "/center", center, "[x, y] in mm");
+    table.center_x_mm = millimetres(center[0], path + "/center/0", -500, 500);
+    table.center_y_mm = millimetres(center[1], path + "/center/1", -500, 500);
+  }
   table.dots = dots_of(json["dots"], millimetres(json["dot_diameter_mm"], path + "/dot_diameter_mm", 1, 500),
                        path + "/dots");
   measure(table, path);
@@ -234,6 +262,16 @@ PatternTable parse_patterns(const std::string& text, const std::string& path, co
   }
   refuse_look_alikes(table, path);
   return table;
+}
+
+PatternPose PatternTable::with_center_at(double x_mm, double y_mm, double angle_rad) const {
+  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
+  return {x_mm - c * center_x_mm + s * center_y_mm, y_mm - s * center_x_mm - c * center_y_mm, angle_rad};
+}
+
+std::array<double, 2> PatternTable::center_of(const PatternPose& robot) const {
+  const double c = std::cos(robot.angle_rad), s = std::sin(robot.angle_rad);
+  return {robot.x_mm + c * center_x_mm - s * center_y_mm, robot.y_mm + s * center_x_mm + c * center_y_mm};
 }
 
 const PatternTable& league_patterns() {

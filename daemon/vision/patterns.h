@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vision/label.h"
+#include "vision/pattern_pose.h"
 
 #include <array>
 #include <string>
@@ -21,6 +22,7 @@ struct PatternTable {
 
   std::string name;
   double center_diameter_mm = 50;
+  double center_x_mm = 0, center_y_mm = 0;  // the centre dot's place, as of the side dots
   std::array<Label, 2> team_colors{label::kYellow, label::kBlue};  // centre dot's colour, by Team
   std::vector<PatternDot> dots;                                    // side dots
   /// The robot's top: black, round, with a flat front. Nothing beyond it is part of the robot.
@@ -36,14 +38,20 @@ struct PatternTable {
   // Derived from the above.
   std::vector<Label> side_colors;  // every label that occurs in a code, once
   double reach_mm = 0;             // distance from the centre to the outermost dot's rim
+  double arm_mm = 0;               // distance from the centre dot's middle to the outermost dot's rim
   double gap_mm = 0;               // smallest gap between two dots
-  /// Dots at about the same distance from the centre, by angle, and the middles of the gaps between them.
+  /// Dots at about the same distance from the centre dot, by angle, and the middles of the gaps between them.
   struct Ring {
     double radius_mm;
     double spread_mm;  // distance from a dot's middle that is still inside the dot
     std::vector<double> dot_angles_rad, gap_angles_rad;
   };
   std::vector<Ring> rings;
+
+  /// The pose of a robot that has its centre dot at this place.
+  PatternPose with_center_at(double x_mm, double y_mm, double angle_rad) const;
+  /// The place of a robot's centre dot.
+  std::array<double, 2> center_of(const PatternPose& robot) const;
 };
 
 /// Reads a pattern table from JSON text. Throws SettingsError, its message starting with `path`, for a wrong

@@ -18,6 +18,7 @@ std::string patterns_text(const PatternTable& table, const LabelSet& labels) {
   return json_text(
       Json{{"name", table.name},
            {"center_diameter_mm", table.center_diameter_mm},
+           {"center", {table.center_x_mm, table.center_y_mm}},
            {"dot_diameter_mm", table.dots.at(0).diameter_mm},
            {"top_radius_mm", table.top_radius_mm},
            {"top_front_mm", table.top_front_mm},

@@ -230,7 +230,7 @@ const LightPicture& carpet(const SimulatorRenderer& renderer, const SimulatorOpt
 
 void DrawnScene::draw() {
   const CameraModel& camera = *scene_.camera;
-  const SimulatorRenderer renderer(options_, scene_.field, camera, league_patterns());
+  const SimulatorRenderer renderer(options_, scene_.field, camera, *patterns_);
   LightPicture picture = carpet(renderer, options_, scene_);
   SimulatorRenderer::Boxes boxes;
   renderer.draw({&things_, 1}, picture, boxes);
@@ -277,7 +277,7 @@ RobotList DrawnScene::robots_by(DetectRobots& detector, double t_s, const Detect
   info.times.t_capture_s = t_s;
   const RegionList& found = regions();
   StageNotes notes;
-  detector.process(params, scene_, league_patterns(), lut(), Mask(), info, image(), found, out, notes);
+  detector.process(params, scene_, *patterns_, lut(), Mask(), info, image(), found, out, notes);
   return out;
 }
 

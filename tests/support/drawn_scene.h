@@ -61,6 +61,8 @@ class DrawnScene {
   /// The detectors' scene; a test may change it.
   Scene& scene() { return scene_; }
   void use_lut(std::shared_ptr<const Lut> lut);
+  /// Draws and detects robots with other patterns than the league's. They must outlive the scene.
+  void use_patterns(const PatternTable& patterns) { patterns_ = &patterns; }
   /// Also accepts regions of one cell.
   void use_single_cells();
   const Lut& lut() { return *lut_pointer(); }
@@ -87,6 +89,7 @@ class DrawnScene {
   void paint(const Cover& cover, LightPicture& picture) const;
 
   SimulatorOptions options_;
+  const PatternTable* patterns_ = &league_patterns();
   Scene scene_;
   SimulatedScene things_;
   std::vector<Cover> covers_;

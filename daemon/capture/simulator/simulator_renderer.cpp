@@ -438,6 +438,7 @@ void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std:
   const SimulatedRobot& robot = moments.front().robots[index];
   const auto radius = static_cast<float>(field_.max_robot_radius);
   const float front = radius * static_cast<float>(kRobotFrontPerRadius);
+  const Vec2 center_dot(static_cast<float>(patterns_.center_x_mm), static_cast<float>(patterns_.center_y_mm));
   const float center_radius = static_cast<float>(patterns_.center_diameter_mm) / 2;
   const SimulatedPrints::Colors& colors = prints_.of(robot.team, robot.id);
   const Paint& team = colors[robot.team == Team::kBlue ? label::kBlue : label::kYellow];
@@ -484,7 +485,7 @@ void SimulatorRenderer::draw_robot(std::span<const SimulatedScene> moments, std:
       coat.add(paint, share);
       printed += share;
     };
-    print(p, center_radius, team);
+    print(p - center_dot, center_radius, team);
     for (std::size_t dot = 0; dot < patterns_.dots.size(); ++dot) {
       const Vec2 center(static_cast<float>(patterns_.dots[dot].x_mm),
                         static_cast<float>(patterns_.dots[dot].y_mm));

@@ -226,6 +226,34 @@ TEST(DetectRobots, ACrowdOfTouchingRobotsSharesNoDots) {
   expect_all(drawn.robots().robots, drawn, 1, 1);
 }
 
+TEST(DetectRobots, ACentreDotAwayFromTheCentre) {
+  const PatternTable patterns =
+      parse_patterns(R"({"name": "lab", "center_diameter_mm": 45, "center": [-25, 15],
+      "dot_diameter_mm": 30, "dots": [[45, 20], [10, -50], [-50, -45]],
+      "codes": [{"id": 3, "colors": ["pink", "green", "green"]}, {"id": 5, "colors": ["green", "pink", "pink"]}]})",
+                     "lab.json");
+  DrawnScene drawn;
+  drawn.use_patterns(patterns);
+  for (int i = 0; i < 16; ++i) {
+    drawn.add_robot(i % 2 == 0 ? Team::kBlue : Team::kYellow, i % 4 < 2 ? 3 : 5, 2500 - 600.0 * row(i, 4),
+                    -1200.0 + 800 * (i % 4), 0.4 * i);
+  }
+  DetectRobots::Params params;
+  params.duplicates = DetectRobots::Duplicates::kKeep;
+  params.min_confidence = 0.1;
+  DetectRobots remembers;
+  for (const double t_s : {1.0, 1.016}) {
+    const RobotList found = drawn.robots_by(remembers, t_s, params);
+    EXPECT_EQ(found.robots.size(), 16U);
+    expect_nothing_wrong(found.robots, drawn, 2, 2);
+    for (const Robot& robot : found.robots) {
+      const auto pixel = drawn.scene().camera->project({robot.x_mm, robot.y_mm, robot.height_mm});
+      EXPECT_NEAR(robot.pixel_x, pixel->x(), 0.01);
+      EXPECT_NEAR(robot.pixel_y, pixel->y(), 0.01);
+    }
+  }
+}
+
 TEST(DetectRobots, DotsThatMergeIntoOneBlob) {
   // Front to front with all dots green: two pairs of dots are only 2 mm apart.
   DrawnScene drawn(plain_options(PixelFormat::kUyvy, 4));

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -47,13 +49,15 @@ TEST(Patterns, OtherArrangementsAreData) {
 TEST(Patterns, AreWrittenAsTheyAreRead) {
   const LabelSet labels({{12, "purple"}}, "");
   const std::string json =
-      R"({"name": "lab", "center_diameter_mm": 30.25, "dot_diameter_mm": 20, "top_radius_mm": 80.5,
+      R"({"name": "lab", "center_diameter_mm": 30.25, "center": [-5, 2], "dot_diameter_mm": 20, "top_radius_mm": 80.5,
       "dots": [[40, 0.1], [-40, 0, 21]], "team_colors": {"yellow": "purple", "blue": "blue"},
       "codes": [{"id": 1, "colors": ["pink", "cyan"]}, {"id": 7, "colors": ["pink", "purple"]}]})";
   const PatternTable table = parse_patterns(json, "lab.json", labels);
   const PatternTable again = parse_patterns(patterns_text(table, labels), "again", labels);
   EXPECT_EQ(again.name, table.name);
   EXPECT_EQ(again.center_diameter_mm, table.center_diameter_mm);
+  EXPECT_EQ(again.center_x_mm, -5);
+  EXPECT_EQ(again.center_y_mm, 2);
   EXPECT_EQ(again.team_colors, table.team_colors);
   EXPECT_EQ(again.top_radius_mm, table.top_radius_mm);
   EXPECT_EQ(again.top_front_mm, table.top_front_mm);
@@ -69,6 +73,26 @@ TEST(Patterns, AreWrittenAsTheyAreRead) {
   EXPECT_EQ(patterns_text(again, labels), patterns_text(table, labels));
   EXPECT_EQ(patterns_text(parse_patterns(patterns_text(league_patterns()), "")),
             patterns_text(league_patterns()));
+}
+
+TEST(Patterns, TheCentreDotMayBeOffTheCentre) {
+  const auto with_center = [](const std::string& center) {
+    return R"({"name": "lab", "center_diameter_mm": 30, "center": )" + center +
+           R"(, "dot_diameter_mm": 20, "dots": [[40, 0], [0, 40]],
+               "codes": [{"id": 1, "colors": ["pink", "pink"]}, {"id": 2, "colors": ["green", "green"]}]})";
+  };
+  const PatternTable table = parse_patterns(with_center("[-20, -10]"), "lab.json");
+  EXPECT_DOUBLE_EQ(table.reach_mm, 50);
+  EXPECT_DOUBLE_EQ(table.arm_mm, std::hypot(60, 10) + 10);
+  const PatternPose robot = table.with_center_at(100, 200, std::numbers::pi / 2);
+  EXPECT_NEAR(robot.x_mm, 90, 1e-9);
+  EXPECT_NEAR(robot.y_mm, 220, 1e-9);
+  EXPECT_NEAR(table.center_of(robot)[0], 100, 1e-9);
+  EXPECT_NEAR(table.center_of(robot)[1], 200, 1e-9);
+  EXPECT_THAT(error_of(with_center("[-80, 0]")), HasSubstr("lab.json/center: extends beyond the rim"));
+  EXPECT_THAT(error_of(with_center("[20, 0]")), HasSubstr("lab.json/dots/0: overlaps the centre dot"));
+  EXPECT_THAT(error_of(with_center("7")),
+              HasSubstr("lab.json/center: 7 is not allowed; expected [x, y] in mm"));
 }
 
 TEST(Patterns, MayHaveOwnLabels) {
