@@ -290,9 +290,9 @@ TEST_F(Field, InvalidForeignDataHarmsNoTrack) {
   };
   // Foreign cameras are used. Their robots may have no tracks: a busy computer hears of them too late.
   bool are_used = false;
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  // Limited by rounds: on a busy computer each takes as long as tracks need to arrive.
   for (std::uint32_t round = 0; round < 400 || compared < 400 * 6 || !are_used; ++round) {
-    ASSERT_LT(std::chrono::steady_clock::now(), deadline) << compared << " " << are_used;
+    ASSERT_LT(round, 4000U) << compared << " " << are_used;
     constexpr std::uint32_t kOften = 50;
     if (round % kOften == 0) send_geometry();
     if (!are_used && round % kOften == kOften - 1) {
