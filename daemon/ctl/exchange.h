@@ -30,7 +30,7 @@ struct HttpReply {
 struct ExchangeLimits {
   std::size_t header_bytes = std::size_t{16} * 1024;
   std::uint64_t body_bytes = std::uint64_t{64} * 1024 * 1024;  // a support bundle is the largest
-  std::chrono::milliseconds connect{10'000};  // on bad Wi-Fi the first packets are lost, and repeated after 1, 3 and 7 s
+  std::chrono::milliseconds connect{10'000};                   // a lost packet is repeated after 1, 3 and 7 s
   std::chrono::milliseconds header{30'000};  // from the request to the end of the answer's header
   std::chrono::milliseconds whole{120'000};  // from the request to the end of the answer
 };
