@@ -101,6 +101,21 @@ TEST(InvalidCounts, CountEntriesBeyondTheLimits) {
   EXPECT_EQ(drop_invalid(balls).balls, 5000 - limits::kMaxBalls);
 }
 
+TEST(InvalidCounts, LeaveOutInvalidMisses) {
+  const RobotMiss good{RobotMiss::Why::kDots, 10, 20, 30, 3, 5, 0, 0};
+  for (double RobotMiss::*number : {&RobotMiss::pixel_x, &RobotMiss::pixel_y, &RobotMiss::radius_px,
+                                    &RobotMiss::value, &RobotMiss::limit}) {
+    RobotList list;
+    list.misses.assign(limits::kMaxMisses + 3, good);
+    list.misses[0].*number = kNan;
+    list.misses[1].why = static_cast<RobotMiss::Why>(99);
+    EXPECT_EQ(drop_invalid(list).robots, 0U) << "they are no results";
+    EXPECT_THAT(list.misses, SizeIs(limits::kMaxMisses));
+    EXPECT_EQ(list.misses[0].pixel_x, 10);
+    EXPECT_EQ(list.misses[1].why, RobotMiss::Why::kDots);
+  }
+}
+
 TEST(InvalidCounts, CountInvalidTracksAndTimes) {
   TrackedField tracked{.number = 1,
                        .t_s = 100,

@@ -35,6 +35,13 @@ describe('marks', () => {
     expect(marks(header([seen(0, 0), seen(500, 0)]), radii, model, 1).robots.map((m) => m.key)).toEqual(['yellow0', 'yellow0/1']);
   });
 
+  it('turns things that resemble robots with the image', () => {
+    const missed = { ...header([]), misses: [{ pixel_x: 100, pixel_y: 50, radius: 20, text: '3 of 5 dots are at their places' }] };
+    expect(marks(missed, radii, model, 0).misses).toEqual([{ centre: { x: 100, y: 50 }, radius: 20, text: '3 of 5 dots are at their places' }]);
+    expect(marks(missed, radii, model, 1).misses[0]!.centre).not.toEqual({ x: 100, y: 50 });
+    expect(marks(header([]), radii, model, 0).misses).toEqual([]);
+  });
+
   it('puts the tag where the robot does not look', () => {
     const up = marks(header([seen(1250, 0, Math.PI / 2)]), radii, model, 1);
     expect(placeTags(up, 1, new Map())[0]!.offset.y).toBeGreaterThan(0);
