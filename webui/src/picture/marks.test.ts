@@ -37,8 +37,8 @@ describe('marks', () => {
 
   it('turns things that resemble robots with the image', () => {
     const missed = { ...header([]), misses: [{ pixel_x: 100, pixel_y: 50, radius: 20, text: '3 of 5 dots are at their places' }] };
-    expect(marks(missed, radii, model, 0).misses).toEqual([{ centre: { x: 100, y: 50 }, radius: 20, text: '3 of 5 dots are at their places' }]);
-    expect(marks(missed, radii, model, 1).misses[0]!.centre).not.toEqual({ x: 100, y: 50 });
+    expect(marks(missed, radii, model, 0).misses).toEqual([{ centre: { x: 100.5, y: 50.5 }, radius: 20, text: '3 of 5 dots are at their places' }]);
+    expect(marks(missed, radii, model, 1).misses[0]!.centre).not.toEqual({ x: 100.5, y: 50.5 });
     expect(marks(header([]), radii, model, 0).misses).toEqual([]);
   });
 
