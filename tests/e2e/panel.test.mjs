@@ -411,7 +411,9 @@ describe('panel', () => {
     await page.waitForSelector(`${tile} ${byId('picture-trouble')}:has-text("Camera lost"):has-text(${JSON.stringify(missing)}):has-text("No such file")`);
     await page.waitForSelector(`${byId('check-cameras')}[data-state="fail"]`);
     await page.waitForSelector(`${byId('verdict')}[data-go="false"]`);
+    await textBecomes(page, 'verdict-reason', /^Camera 1 is lost/);
     const alert = `${byId('alert')}[data-severity="bad"]:has-text("Camera 1 is lost")`;
+    assert.equal(await page.getAttribute(`${byId('check-cameras')} a`, 'href'), await page.getAttribute(`${alert} a`, 'href'));
     assert.match(await page.textContent(alert), /Camera 1 is lost.*Fix/s);
     assert.equal(await page.locator(`${tile} ${byId('overlay-robot')}`).count(), 0, 'no old detections');
     await picturesGoOn(page, 0);
