@@ -46,7 +46,7 @@ struct RobotMiss {
     kFit,         // the dots' rms distance from their places, `value` in mm, is above `limit`
     kColors,      // `dots` of `of` dots have a certain colour
     kTeam,        // the centre dot has neither team's colour
-    kId,          // the colours are those of `value` ids; must be 1
+    kId,          // `value` ids have these colours; must be 1
     kConfidence,  // `value` is below `limit`
   };
   Why why;
