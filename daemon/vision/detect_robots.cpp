@@ -37,6 +37,9 @@ constexpr double kDuplicateShare = 0.25;
 /// Largest differences in position and heading between a remembered robot and the same robot now.
 constexpr double kSamePlaceMm = 60, kSameHeadingRad = 0.5;
 
+/// Misses of an image that are remembered until all robots are known, which many of them turn out to be.
+constexpr std::size_t kMaxKeptMisses = 4 * limits::kMaxMisses;
+
 using Ids = std::bitset<256>;
 
 /// std::hypot without its protection against overflow, which takes longer than the rest of the function.
@@ -79,13 +82,13 @@ void DetectRobots::process(const Params& params, const Scene& scene, const Patte
   out.misses.clear();
   candidates_.clear();
   misses_.clear();
-  misses_.reserve(limits::kMaxMisses);
+  misses_.reserve(kMaxKeptMisses);
   out.misses.reserve(limits::kMaxMisses);
   centers_ = {};
   explained_.assign(regions.regions.size(), 0);
   fitter_.reset_work();
   work_ = 0;
-  if (!scene.camera || image.view().empty()) return;
+  if (!scene.camera || image.view().empty()) return stop_telling(notes);
   const Frame frame{image.view(), *scene.camera, patterns, lut, params.blur_px};
   const double now_s = info.times.t_capture_s;
   memory_.forget(now_s, params.memory_ms * 1e-3);
@@ -259,15 +262,16 @@ void DetectRobots::search_from_centers(const Params& params, const Frame& frame,
   const Label color = frame.patterns.team_colors[static_cast<std::size_t>(team)];
   const double area_mm2 = disc_area_mm2(frame.patterns.center_diameter_mm);
   Centers& centers = centers_[static_cast<std::size_t>(team)];
+  const auto misfit = [](double ratio) { return std::max(ratio, 1 / ratio); };
   const auto search = [&](Label label) {
     for (const Region& region : regions.of(label)) {
       const double ratio = area_ratio(region, frame, height_mm, area_mm2);
-      if (!is_as_large(ratio, params)) {
-        ++centers.other;
-        if (std::abs(std::log(ratio)) < std::abs(std::log(centers.nearest))) centers.nearest = ratio;
-        continue;
+      const bool is_large_enough = is_as_large(ratio, params);
+      if (label == color) {
+        ++(is_large_enough ? centers.count : centers.other);
+        if (!is_large_enough && misfit(ratio) < misfit(centers.nearest)) centers.nearest = ratio;
       }
-      ++centers.count;
+      if (!is_large_enough) continue;
       const auto place = place_of(region, frame, mask, height_mm);
       if (!place) continue;
       if (!time_left(params)) return;
@@ -301,7 +305,7 @@ void DetectRobots::search_around(const Params& params, const Frame& frame, doubl
   if (!center.seen) return;
   const auto try_start = [&](const PatternPose& pose) {
     const Candidate candidate = examine(params, frame, pose, height_mm, kManyPasses);
-    if (candidate.proven_dots > best.proven_dots ||
+    if (best.fit.seen == 0 || candidate.proven_dots > best.proven_dots ||
         (candidate.proven_dots == best.proven_dots && candidate.confidence > best.confidence)) {
       best = candidate;
     }
@@ -420,33 +424,36 @@ void DetectRobots::keep(const Params& params, const Frame& frame, const Candidat
   using enum RobotMiss::Why;
   const int all = static_cast<int>(frame.patterns.dots.size()) + 1;
   if (candidate.proven_dots + 1 < all || candidate.proven_dots < 3) {
-    if (candidate.fit.seen + 1 < all) return miss(frame.patterns, candidate, kDots);
+    if (candidate.fit.seen + 1 < all) return miss(frame, candidate, kDots);
     if (candidate.fit.rms_mm > params.max_rms_mm)
-      return miss(frame.patterns, candidate, kFit, candidate.fit.rms_mm, params.max_rms_mm);
-    return miss(frame.patterns, candidate, kColors);
+      return miss(frame, candidate, kFit, candidate.fit.rms_mm, params.max_rms_mm);
+    return miss(frame, candidate, kColors);
   }
   candidates_.push_back(candidate);
   if (candidate.proven_dots == all) explain_dots(frame.patterns, candidate);
 }
 
-/// Remembers the nearest miss at each place.
-void DetectRobots::miss(const PatternTable& patterns, const Candidate& candidate, RobotMiss::Why why,
-                        double value, double limit) {
+/// Remembers the nearest miss at each place. Robots that the image's edge cuts are no misses.
+void DetectRobots::miss(const Frame& frame, const Candidate& candidate, RobotMiss::Why why, double value,
+                        double limit) {
   const PatternFit& fit = candidate.fit;
   if (fit.seen == 0) return;
   RobotMiss miss{why,         fit.pixel_x,
-                 fit.pixel_y, patterns.reach_mm * fit.px_per_mm,
-                 fit.seen,    static_cast<int>(patterns.dots.size()) + 1,
+                 fit.pixel_y, frame.patterns.reach_mm * fit.px_per_mm,
+                 fit.seen,    static_cast<int>(frame.patterns.dots.size()) + 1,
                  value,       limit};
   if (why == RobotMiss::Why::kColors) miss.dots = candidate.proven_dots;
+  const double r = miss.radius_px;
+  if (miss.pixel_x < r || miss.pixel_x + r > frame.image.width || miss.pixel_y < r ||
+      miss.pixel_y + r > frame.image.height)
+    return;
   const auto same = std::find_if(misses_.begin(), misses_.end(), [&](const RobotMiss& other) {
-    return distance(other.pixel_x - miss.pixel_x, other.pixel_y - miss.pixel_y) < miss.radius_px;
+    return distance(other.pixel_x - miss.pixel_x, other.pixel_y - miss.pixel_y) < r;
   });
-  if (same != misses_.end()) {
-    if (is_nearer(miss, *same)) *same = miss;
-  } else if (misses_.size() < limits::kMaxMisses) {
-    misses_.push_back(miss);
-  }
+  if (same == misses_.end() && misses_.size() < kMaxKeptMisses) return misses_.push_back(miss);
+  RobotMiss& worst =
+      same != misses_.end() ? *same : *std::max_element(misses_.begin(), misses_.end(), is_nearer);
+  if (is_nearer(miss, worst)) worst = miss;
 }
 
 /// Reports why there are no robots, or no more.
@@ -457,15 +464,13 @@ void DetectRobots::report(const Params& params, double now_s, RobotList& out, St
       return distance(robot->fit.pixel_x - miss.pixel_x, robot->fit.pixel_y - miss.pixel_y) <
              2 * miss.radius_px;
     });
-    if (!is_robot) out.misses.push_back(miss);
+    if (!is_robot && out.misses.size() < limits::kMaxMisses) out.misses.push_back(miss);
   }
-  const bool has_blobs = centers_[0].count + centers_[0].other + centers_[1].count + centers_[1].other > 0;
-  if (out.misses.empty() && (!out.robots.empty() || !has_blobs)) {
-    if (std::exchange(is_telling_, false)) notes.clear();
-    return;
-  }
+  // Notes change at most once per second, so that they can be read.
   constexpr double kInterval_s = 1;
   if (is_telling_ && std::abs(now_s - told_s_) < kInterval_s) return;
+  const bool has_blobs = centers_[0].count + centers_[0].other + centers_[1].count + centers_[1].other > 0;
+  if (out.misses.empty() && (!out.robots.empty() || !has_blobs)) return stop_telling(notes);
   is_telling_ = true;
   told_s_ = now_s;
 
@@ -476,28 +481,33 @@ void DetectRobots::report(const Params& params, double now_s, RobotList& out, St
     const auto end = fmt::format_to_n(text.data() + length, left, format, std::forward<Args>(args)...);
     length += std::min(left, end.size);
   };
-  for (const Team team : {Team::kYellow, Team::kBlue}) {
-    const Centers& centers = centers_[static_cast<std::size_t>(team)];
-    if (!out.robots.empty() || centers.count + centers.other == 0) continue;
-    if (centers.count > 0) {
-      add("blobs as large as a {} centre dot: {}; ", name_of(team), centers.count);
-    } else {
-      add("no blob as large as a {} centre dot: of {}, the nearest has {:.0f} % of its area, allowed {:.0f} "
-          "to "
-          "{:.0f}; ",
-          name_of(team), centers.other, 100 * centers.nearest, 100 * params.min_area_ratio,
-          100 * params.max_area_ratio);
-    }
-  }
   if (out.misses.empty()) {
-    add("no robot, and nothing that resembles one");
+    add("nothing resembles a robot");
   } else {
     const RobotMiss& nearest = out.misses.front();
-    add("{} not accepted; nearest, at pixel {:.0f}, {:.0f}: ", out.misses.size(), nearest.pixel_x,
-        nearest.pixel_y);
+    add("{}{} {} a robot; at pixel {:.0f}, {:.0f}: ", out.misses.size(),
+        out.misses.size() == limits::kMaxMisses ? " or more" : "",
+        out.misses.size() == 1 ? "thing resembles" : "things resemble", nearest.pixel_x, nearest.pixel_y);
     length += miss_text(nearest, std::span(text).subspan(length));
   }
+  if (out.robots.empty()) {
+    for (const Team team : {Team::kYellow, Team::kBlue}) {
+      const Centers& centers = centers_[static_cast<std::size_t>(team)];
+      if (centers.count > 0) {
+        add("; {} blobs as large as a centre dot: {}", name_of(team), centers.count);
+      } else if (centers.other > 0) {
+        add("; of {} {} blobs, the closest in size has {:.0f} % of a centre dot's area, allowed {:.0f} to "
+            "{:.0f}",
+            centers.other, name_of(team), 100 * centers.nearest, 100 * params.min_area_ratio,
+            100 * params.max_area_ratio);
+      }
+    }
+  }
   notes.say({text.data(), length});
+}
+
+void DetectRobots::stop_telling(StageNotes& notes) {
+  if (std::exchange(is_telling_, false)) notes.clear();
 }
 
 void DetectRobots::choose(const Params& params, const Frame& frame, const Scene& scene, RobotList& out) {
@@ -542,7 +552,7 @@ void DetectRobots::choose(const Params& params, const Frame& frame, const Scene&
         });
     const bool is_remembered = remembered != memory_.entries().end();
     if (!candidate->team && !is_remembered) {
-      miss(patterns, *candidate, RobotMiss::Why::kTeam);
+      miss(frame, *candidate, RobotMiss::Why::kTeam);
       continue;
     }
     const Team team = candidate->team ? *candidate->team : remembered->team;
@@ -565,7 +575,7 @@ void DetectRobots::choose(const Params& params, const Frame& frame, const Scene&
       }
     }
     if (possible.count() != 1) {
-      miss(patterns, *candidate, RobotMiss::Why::kId, static_cast<double>(possible.count()));
+      miss(frame, *candidate, RobotMiss::Why::kId, static_cast<double>(possible.count()));
       continue;
     }
     // A candidate on the plane of the other team's height has a wrong position.
@@ -590,7 +600,7 @@ void DetectRobots::choose(const Params& params, const Frame& frame, const Scene&
       }
       robot.confidence *= kDuplicateShare;
     } else if (robot.confidence < params.min_confidence) {
-      miss(patterns, *candidate, RobotMiss::Why::kConfidence, robot.confidence, params.min_confidence);
+      miss(frame, *candidate, RobotMiss::Why::kConfidence, robot.confidence, params.min_confidence);
       continue;
     }
     taken[team_index].set(static_cast<std::size_t>(id));

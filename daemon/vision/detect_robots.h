@@ -138,8 +138,9 @@ class DetectRobots {
   Candidate examine(const Params& params, const Frame& frame, const PatternPose& start, double height_mm,
                     int max_passes);
   void keep(const Params& params, const Frame& frame, const Candidate& candidate);
-  void miss(const PatternTable& patterns, const Candidate& candidate, RobotMiss::Why why, double value = 0,
+  void miss(const Frame& frame, const Candidate& candidate, RobotMiss::Why why, double value = 0,
             double limit = 0);
+  void stop_telling(StageNotes& notes);
   void report(const Params& params, double now_s, RobotList& robots, StageNotes& notes);
   void choose(const Params& params, const Frame& frame, const Scene& scene, RobotList& robots);
 

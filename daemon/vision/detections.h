@@ -20,7 +20,7 @@ struct Robot {
   Team team;
   int id;
   double x_mm, y_mm, orientation_rad, height_mm;
-  double pixel_x, pixel_y;  // centre of the pattern in the image
+  double pixel_x, pixel_y;  // the robot's centre in the image
   double confidence;        // 0 .. 1
   PlaceCov place_cov{};
   double orientation_sigma_rad = 0;  // 0: not known
@@ -44,7 +44,7 @@ struct RobotMiss {
   enum class Why : std::uint8_t {
     kDots,        // `dots` of `of` dots are at their places, the centre dot included
     kFit,         // the dots' rms distance from their places, `value` in mm, is above `limit`
-    kColors,      // `dots` of `of` dots have a certain colour
+    kColors,      // the colour of `dots` of `of` dots is certain
     kTeam,        // the centre dot has neither team's colour
     kId,          // `value` ids have these colours; must be 1
     kConfidence,  // `value` is below `limit`

@@ -18,7 +18,7 @@ std::size_t miss_text(const RobotMiss& miss, std::span<char> text) noexcept {
     case kDots: return write("{} of {} dots are at their places", miss.dots, miss.of);
     case kFit:
       return write("the dots are {:.1f} mm off their places, allowed {:.1f}", miss.value, miss.limit);
-    case kColors: return write("{} of {} dots have a certain colour", miss.dots, miss.of);
+    case kColors: return write("the colour of {} of {} dots is certain", miss.dots, miss.of);
     case kTeam: return write("the centre dot has neither team's colour");
     case kId:
       if (miss.value < 1) return write("no id has these colours");

@@ -269,7 +269,7 @@ Check check_cameras(std::span<const CameraFacts> cameras) {
     check.text = "there is no camera in the settings";
   } else if (count == 0) {
     check.state = CheckState::kFail;
-    check.text = "none is running";
+    check.text = kNoneRuns;
   } else if (count < cameras.size()) {
     check.state = CheckState::kWarn;
     check.text = "not all are running";

@@ -176,8 +176,10 @@ std::vector<Route> SettingsService::routes() {
 Response SettingsService::patch_settings(const Request& request) {
   const Json json = parse_json(request.body);
   const bool joins = query_flag(request, "joins");
+  const std::uint64_t before = store_.revision();
   const auto version =
       patch(json, {.who = request.address, .if_revision = if_match_of(request), .joins = joins});
+  if (version.revision == before) return json_response(saved_json(version));  // nothing has changed
   log::info("settings revision {} saved, changed by {}: {}", version.revision, request.address,
             in_short(json));
   return json_response(saved_json(version));

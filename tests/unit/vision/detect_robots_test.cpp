@@ -339,8 +339,9 @@ TEST_F(Missed, ARobotWithoutTwoDotsIsReportedUntilItIsWhole) {
   EXPECT_NEAR(miss.pixel_y, whole.pixel_y, 2);
   EXPECT_GT(miss.radius_px, 5);
   const std::string pixel = fmt::format("at pixel {:.0f}, {:.0f}", miss.pixel_x, miss.pixel_y);
-  EXPECT_EQ(notes_.read().text, "blobs as large as a yellow centre dot: 1; 1 not accepted; nearest, " +
-                                    pixel + ": 3 of 5 dots are at their places");
+  EXPECT_EQ(notes_.read().text,
+            "1 thing resembles a robot; " + pixel +
+                ": 3 of 5 dots are at their places; yellow blobs as large as a centre dot: 1");
   drawn_.clear();
   drawn_.add_robot(Team::kYellow, 2, 1300, 500, 0.4);
   process(3);
@@ -383,8 +384,55 @@ TEST_F(Missed, DotsOfAnotherSizeAreReported) {
   EXPECT_THAT(out_.robots, IsEmpty());
   EXPECT_THAT(notes_.read().text,
               testing::MatchesRegex(
-                  "no blob as large as a blue centre dot: of 1, the nearest has 1[0-9] % of its area, "
-                  "allowed 20 to 250; .*the centre dot has neither team's colour"));
+                  "1 thing resembles a robot; .*the centre dot has neither team's colour; of 1 blue "
+                  "blobs, the closest in size has 1[0-9] % of a centre dot's area, allowed 20 to 250"));
+}
+
+TEST_F(Missed, DotsOffTheirPlacesAreReported) {
+  drawn_.add_robot(Team::kBlue, 2, 1300, 500, 0.4);
+  PatternTable other = league_patterns();
+  other.dots[0].x_mm += 3;
+  other.dots[1].y_mm += 3;
+  DetectRobots::Params params;
+  params.max_rms_mm = 0.5;
+  process(1, params, other);
+  ASSERT_THAT(out_.misses, SizeIs(1));
+  EXPECT_EQ(out_.misses[0].why, RobotMiss::Why::kFit);
+  EXPECT_GT(out_.misses[0].value, 0.5);
+  EXPECT_EQ(out_.misses[0].limit, 0.5);
+}
+
+TEST_F(Missed, RobotsThatTheEdgeOfTheImageCutsAreNotReported) {
+  const CameraModel& camera = *drawn_.scene().camera;
+  const double width = drawn_.image().view().width, height = drawn_.image().view().height;
+  for (const Eigen::Vector2d& pixel :
+       {Eigen::Vector2d(2, height / 2), Eigen::Vector2d(width - 2, height / 2), Eigen::Vector2d(width / 2, 2),
+        Eigen::Vector2d(width / 2, height - 2)}) {
+    const Eigen::Vector2d place = *camera.unproject(pixel, kHeightMm);
+    for (int i = 0; i < 8; ++i) {
+      drawn_.clear();
+      drawn_.add_robot(Team::kBlue, 2, place.x(), place.y(), 0.8 * i);
+      EXPECT_THAT(process(1 + i).misses, IsEmpty()) << pixel.transpose() << " " << i;
+    }
+  }
+}
+
+TEST_F(Missed, NotesChangeOnceASecondAndEndWithTheCalibration) {
+  drawn_.add_robot(Team::kBlue, 2, 1300, 500, 0.4, 1);
+  process(1);
+  const std::string text = notes_.read().text;
+  EXPECT_THAT(text, testing::HasSubstr("2 ids are possible"));
+  drawn_.clear();
+  process(1.5);
+  EXPECT_EQ(notes_.read().text, text);
+  process(2);
+  EXPECT_EQ(notes_.read().kind, StageNotes::Kind::kNone);
+  drawn_.add_robot(Team::kBlue, 2, 1300, 500, 0.4, 1);
+  process(3);
+  EXPECT_EQ(notes_.read().text, text);
+  drawn_.scene().camera.reset();
+  process(3.1);
+  EXPECT_EQ(notes_.read().kind, StageNotes::Kind::kNone);
 }
 
 // ---- partly hidden robots

@@ -34,10 +34,10 @@ export type Outcome =
   /** The service could not be reached, or could not save. */
   | { kind: 'failed'; text: string };
 
-/** Follows the panel to another port, unless it was opened through a third one. Port 0 is any free one. */
+/** Follows the panel to another port, unless it was opened through a third one. Of port 0, any free one, this is not known. */
 function followPanel(before: Json, after: Json): void {
   const [from, to] = [before, after].map((tree) => valueAt(tree, '/panel/port'));
-  if (to !== from && typeof to === 'number' && to > 0 && (from === 0 || location.port === String(from))) location.port = String(to);
+  if (to !== from && typeof to === 'number' && to > 0 && (from === 0 || from === Number(location.port || (location.protocol === 'https:' ? 443 : 80)))) location.port = String(to);
 }
 
 function take(answer: SettingsRevision): void {
