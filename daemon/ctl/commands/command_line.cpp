@@ -173,6 +173,7 @@ void write_pieces(const std::string& file, const std::function<void(const TakePi
       if (!output->stream().write(piece.data(), static_cast<std::streamsize>(piece.size()))) output->finish();
     });
     if (output) output->finish();
+    if (output) output->tell();
   } catch (...) {
     std::error_code ignored;
     if (output && std::filesystem::is_regular_file(file, ignored)) std::filesystem::remove(file, ignored);
@@ -184,9 +185,12 @@ std::ostream& Output::stream() {
   return file_.is_open() ? file_ : std::cout;
 }
 
+void Output::tell() const {
+  if (file_.is_open()) std::cerr << "written to " << name_ << "\n";
+}
+
 void Output::finish() {
   if (!stream().flush()) refuse_to_write(name_);
-  if (file_.is_open()) std::cerr << "written to " << name_ << "\n";
 }
 
 }  // namespace sslv

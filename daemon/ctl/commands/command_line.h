@@ -67,8 +67,10 @@ class Output {
  public:
   explicit Output(const std::string& file);
   std::ostream& stream();
-  /// Tells a file's name on standard error. Throws StorageError if not everything could be written.
+  /// Throws StorageError if not everything could be written.
   void finish();
+  /// Tells a file's name on standard error, for commands that print nothing else.
+  void tell() const;
 
  private:
   std::string name_;

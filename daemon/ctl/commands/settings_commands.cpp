@@ -106,6 +106,7 @@ void add_settings_export(CommandLine& line, CLI::App* parent) {
     Output output(*file);
     output.stream() << terminal_json(tree) << "\n";
     output.finish();
+    output.tell();
     return EXIT_SUCCESS;
   });
 }
