@@ -373,7 +373,7 @@ TEST_F(Missed, ARobotBelowTheConfidenceIsReported) {
   process(1, params);
   ASSERT_THAT(out_.misses, SizeIs(1));
   EXPECT_EQ(out_.misses[0].why, RobotMiss::Why::kConfidence);
-  EXPECT_THAT(notes_.read().text, testing::EndsWith("needed 1.00"));
+  EXPECT_THAT(notes_.read().text, testing::HasSubstr("needed 1.00"));
 }
 
 TEST_F(Missed, DotsOfAnotherSizeAreReported) {
