@@ -337,7 +337,7 @@ describe('many changes', () => {
       (n) => ['/field/field_length', 9000 + n % 100],
       (n) => ['/cameras/0/name', `name ${n}`],
       (n) => ['/cameras/1/stages/detect_balls/max_balls', 1 + n % 20],
-      (n) => ['/cameras/0/mask/exclude', n % 2 ? [] : [{ points: [[0, 0], [9, 0], [9, 9]] }]],
+      (n) => ['/cameras/0/mask/exclude', [{ points: [[0, 0], [9, 0], [9, 1 + n % 50]] }]],
       (n) => ['/teams/yellow/robot_height', 140 + n % 10],
     ];
     const last = new Map();
