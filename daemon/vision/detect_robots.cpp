@@ -57,7 +57,7 @@ double area_ratio(const Region& region, const PatternFitter::Frame& frame, doubl
   return region.area_px * frame.camera.mm2_per_px({region.x_px, region.y_px}, height_mm) / dot_area_mm2;
 }
 
-bool is_as_large(double ratio, const DetectRobots::Params& params) {
+bool has_size_of_dot(double ratio, const DetectRobots::Params& params) {
   return ratio >= params.min_area_ratio && ratio <= params.max_area_ratio;
 }
 
@@ -157,7 +157,7 @@ void DetectRobots::collect_dots(const Params& params, const Frame& frame, double
     area_mm2 += disc_area_mm2(dot.diameter_mm) / static_cast<double>(frame.patterns.dots.size());
   for (const Label label : frame.patterns.side_colors) {
     for (const Region& region : regions.of(label)) {
-      if (!is_as_large(area_ratio(region, frame, height_mm, area_mm2), params)) continue;
+      if (!has_size_of_dot(area_ratio(region, frame, height_mm, area_mm2), params)) continue;
       const auto place = place_of(region, frame, mask, height_mm);
       if (place)
         dots_.push_back({place->x(), place->y(), static_cast<std::size_t>(&region - regions.regions.data())});
@@ -266,12 +266,12 @@ void DetectRobots::search_from_centers(const Params& params, const Frame& frame,
   const auto search = [&](Label label) {
     for (const Region& region : regions.of(label)) {
       const double ratio = area_ratio(region, frame, height_mm, area_mm2);
-      const bool is_large_enough = is_as_large(ratio, params);
+      const bool has_size = has_size_of_dot(ratio, params);
       if (label == color) {
-        ++(is_large_enough ? centers.count : centers.other);
-        if (!is_large_enough && misfit(ratio) < misfit(centers.nearest)) centers.nearest = ratio;
+        ++(has_size ? centers.count : centers.other);
+        if (!has_size && misfit(ratio) < misfit(centers.nearest)) centers.nearest = ratio;
       }
-      if (!is_large_enough) continue;
+      if (!has_size) continue;
       const auto place = place_of(region, frame, mask, height_mm);
       if (!place) continue;
       if (!time_left(params)) return;
@@ -485,9 +485,11 @@ void DetectRobots::report(const Params& params, double now_s, RobotList& out, St
     add("nothing resembles a robot");
   } else {
     const RobotMiss& nearest = out.misses.front();
-    add("{}{} {} a robot; at pixel {:.0f}, {:.0f}: ", out.misses.size(),
-        out.misses.size() == limits::kMaxMisses ? " or more" : "",
-        out.misses.size() == 1 ? "thing resembles" : "things resemble", nearest.pixel_x, nearest.pixel_y);
+    add("{}{} a robot, {}at pixel {:.0f}, {:.0f}: ", out.misses.size(),
+        out.misses.size() == 1                    ? " thing resembles"
+        : out.misses.size() == limits::kMaxMisses ? " or more things resemble"
+                                                  : " things resemble",
+        out.misses.size() == 1 ? "" : "the closest ", nearest.pixel_x, nearest.pixel_y);
     length += miss_text(nearest, std::span(text).subspan(length));
   }
   if (out.robots.empty()) {

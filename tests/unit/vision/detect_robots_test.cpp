@@ -340,7 +340,7 @@ TEST_F(Missed, ARobotWithoutTwoDotsIsReportedUntilItIsWhole) {
   EXPECT_GT(miss.radius_px, 5);
   const std::string pixel = fmt::format("at pixel {:.0f}, {:.0f}", miss.pixel_x, miss.pixel_y);
   EXPECT_EQ(notes_.read().text,
-            "1 thing resembles a robot; " + pixel +
+            "1 thing resembles a robot, " + pixel +
                 ": 3 of 5 dots are at their places; yellow blobs as large as a centre dot: 1");
   drawn_.clear();
   drawn_.add_robot(Team::kYellow, 2, 1300, 500, 0.4);
@@ -384,7 +384,7 @@ TEST_F(Missed, DotsOfAnotherSizeAreReported) {
   EXPECT_THAT(out_.robots, IsEmpty());
   EXPECT_THAT(notes_.read().text,
               testing::MatchesRegex(
-                  "1 thing resembles a robot; .*the centre dot has neither team's colour; of 1 blue "
+                  "1 thing resembles a robot, .*the centre dot has neither team's colour; of 1 blue "
                   "blobs, the closest in size has 1[0-9] % of a centre dot's area, allowed 20 to 250"));
 }
 
