@@ -33,10 +33,14 @@ const ask = async (method, path, body) => {
 const clips = async () => (await ask('GET', '/clips')).json;
 /** Waits until each camera has so many seconds in memory. */
 const reaches = (seconds) => becomes(clips, ({ last_seconds: { cameras } }) => cameras.length === 2 && cameras.every((camera) => camera.seconds >= seconds));
+/** Requests a clip as soon as none is being written. */
+async function begins(body) {
+  const answer = await becomes(() => ask('POST', '/clips', body), ({ status }) => status !== 409);
+  assert.equal(answer.status, 202, answer.text);
+}
 /** Requests a clip and waits until the service has indexed it. */
 async function clipWith(body, name) {
-  const answer = await ask('POST', '/clips', { name, ...body });
-  assert.equal(answer.status, 202, answer.text);
+  await begins({ name, ...body });
   return isThere(name);
 }
 const isThere = async (name) => {
@@ -84,8 +88,7 @@ describe('clips', () => {
 
   it('give the same bytes again, also over a change of settings and of the light', async () => {
     await reaches(1);
-    const order = await ask('POST', '/clips', { seconds: 1, seconds_after: 100, name: 'same' });
-    assert.equal(order.status, 202, order.text);
+    await begins({ seconds: 1, seconds_after: 100, name: 'same' });
     assert.equal((await ask('POST', '/clips', {})).status, 409, 'one at a time');
     await service.patch({ op: 'replace', path: '/cameras/0/stages/detect_balls/min_confidence', value: 0.3 });
     await service.patch({ op: 'replace', path: '/cameras/1/colors/bits', value: 6 });
@@ -192,7 +195,7 @@ describe('clips', () => {
       assert.match((await isThere('command')).why, /^(Stop|Force start)$/);
       await service.patch({ op: 'replace', path: '/recording/clips/on_command', value: false });
       // A clip that is kept without a name gets that of the last event.
-      await becomes(() => ask('POST', '/clips', { seconds: 3 }), ({ status }) => status === 202);
+      await begins({ seconds: 3 });
       const isKept = ({ why, begin_s }) => why.startsWith('kept by hand after: ') && begin_s !== null;
       const kept = (await becomes(clips, ({ clips: all }) => all.some(isKept))).clips.find(isKept);
       assert.doesNotMatch(kept.name, /by_hand/);
@@ -211,7 +214,7 @@ describe('clips', () => {
     const bytes = await fetch(service.address(`api/recordings/clips/${kept.name}`));
     assert.equal((await bytes.arrayBuffer()).byteLength, kept.bytes);
     await service.patch({ op: 'replace', path: '/recording/quota_mb', value: Math.max(10, Math.ceil(kept.bytes / 1e6) + 1) });
-    assert.equal((await ask('POST', '/clips', { seconds: 3, name: 'too_large' })).status, 202);
+    await begins({ seconds: 3, name: 'too_large' });
     const failed = await becomes(clips, ({ clip }) => clip.state === 'failed');
     assert.match(failed.clip.error, /quota_mb/);
     assert.ok(!readdirSync(folder).some((file) => file.includes('too_large')), 'nothing of it is left');
@@ -255,7 +258,7 @@ describe('clips', () => {
     for (const name of ['none.clip', '..%2Fsecret.clip', '%2E%2E%2F..%2Fadmin.json', '%2Fetc%2Fpasswd', '.clip', '2000-01-01_no_clip.log', `${made.name}.pinned`])
       assert.deepEqual(await refused(name), [404, 'ssl-visionctl: clip: there is no such clip\n'], name);
     assert.equal((await fetch(service.address('api/support?clip='))).status, 404);
-    assert.equal((await ask('POST', '/clips', { seconds: 0.5, seconds_after: 60, name: 'busy' })).status, 202);
+    await begins({ seconds: 0.5, seconds_after: 60, name: 'busy' });
     const { clip: busy } = await becomes(clips, (now) => now.clip.name.endsWith('_busy.clip'));
     assert.equal((await refused(busy.name))[0], 409);
     await service.stop();
@@ -289,8 +292,8 @@ describe('clips', () => {
 
   it('can be read up to the point where the service was killed', async () => {
     await reaches(2);
-    await ask('POST', '/clips', { seconds: 2, seconds_after: 60, name: 'killed' });
-    await becomes(clips, ({ clip }) => clip.frames > 60);
+    await begins({ seconds: 2, seconds_after: 60, name: 'killed' });
+    await becomes(clips, ({ clip }) => clip.name.endsWith('_killed.clip') && clip.frames > 60);
     process.kill(service.pid(), 'SIGKILL');
     await becomes(async () => { try { return process.kill(service.pid(), 0); } catch { return false; } }, (runs) => !runs);
     const [name] = readdirSync(folder).filter((file) => file.endsWith('_killed.clip'));
