@@ -18,21 +18,26 @@ constexpr int kStandsAfter = 3;
 constexpr double kTrackS = 0.25, kFastestMmS = 8000, kTrackReachMm = 60;
 /// A track this long is not caused by detections that flicker between neighbouring objects.
 constexpr double kMovedMm = 300;
-/// Objects are forgotten if they have not been seen for this time. Objects with another hue are remembered
+/// Objects are forgotten if they have not been seen for this time. Objects unlike balls are remembered
 /// longer, because they may be hidden for a long time and still be there.
-constexpr double kForgetS = 60, kForgetOtherHueS = 3600;
+constexpr double kForgetS = 60, kForgetUnlikeS = 3600;
 
 /// A ball that was seen at most this many times at one place may have been rolling past.
 constexpr int kPassing = 2;
 /// Moved balls nearer to each other than this count once, because they add no information.
 constexpr double kOtherPlaceMm = 100;
-/// Balls that moved at kEnoughMoved places determine the balls' hue. An object has another hue if the
-/// distance of its chromaticity (shares of red, green and blue) from the line between grey and the balls'
+/// Balls that moved at kEnoughMoved places determine the balls' hue and outline. An object has another hue if
+/// the distance of its chromaticity (shares of red, green and blue) from the line between grey and the balls'
 /// colour exceeds both kOtherHue and kOtherHueSpreads times the spread of the balls. (In difficult halls
 /// drawn by another renderer, this distance is at most 0.03 for balls in 67 of 68 cases and larger for tape
 /// in three of four cases.)
 constexpr std::size_t kEnoughMoved = 4;
 constexpr double kOtherHue = 0.03, kOtherHueSpreads = 4;
+/// An object is less round than the balls if its BallEvidence::out_of_round, averaged over kEnoughPictures,
+/// exceeds the balls' median by both kLessRound and kLessRoundSpreads times their spread. (In the same halls,
+/// tape that is taken for a ball averages 1 to 2.4; the median of a hall's balls is 0.3 to 1.1.)
+constexpr double kLessRound = 0.4, kLessRoundSpreads = 4;
+constexpr int kEnoughPictures = 3;
 constexpr double kClipped = 250;
 /// An object first seen within this time after the start was there from the beginning.
 constexpr double kBeginningS = 10;
@@ -63,7 +68,7 @@ void BallMemory::begin(double now_s) noexcept {
     // Counts read from a recording may have any value; a huge count would overflow when it is incremented.
     const bool is_possible =
         entry.pictures >= 0 && entry.pictures < kMaxCount && entry.colors >= 0 && entry.colors < kMaxCount;
-    return now_s - entry.seen_s > (entry.had_other_hue ? kForgetOtherHueS : kForgetS) || !is_possible;
+    return now_s - entry.seen_s > (entry.was_unlike ? kForgetUnlikeS : kForgetS) || !is_possible;
   });
 }
 
@@ -73,7 +78,7 @@ void BallMemory::count_moved(Entry& entry) noexcept {
     return std::hypot(moved.x_mm - entry.x_mm, moved.y_mm - entry.y_mm) < kOtherPlaceMm;
   });
   entry.is_counted = true;
-  const Moved moved{entry.x_mm, entry.y_mm, entry.chromaticity};
+  const Moved moved{entry.x_mm, entry.y_mm, entry.chromaticity, entry.out_of_round};
   if (near != moved_.end()) {
     *near = moved;
   } else if (moved_.size() < kMaxMoved) {
@@ -84,9 +89,25 @@ void BallMemory::count_moved(Entry& entry) noexcept {
   }
 }
 
-bool BallMemory::has_other_hue(Entry& entry) const noexcept {
+bool BallMemory::is_unlike_balls(Entry& entry) const noexcept {
+  if (!entry.was_there || entry.has_moved || moved_.size() < kEnoughMoved) return false;
+  entry.was_unlike = has_other_hue(entry) || is_less_round(entry);
+  return entry.was_unlike;
+}
+
+bool BallMemory::is_less_round(const Entry& entry) const noexcept {
+  if (entry.pictures < kEnoughPictures) return false;
   const std::size_t count = std::min(moved_.size(), kMaxMoved);
-  if (!entry.was_there || entry.has_moved || entry.colors == 0 || count < kEnoughMoved) return false;
+  std::array<double, kMaxMoved> values;
+  for (std::size_t i = 0; i < count; ++i) values[i] = moved_[i].out_of_round;
+  const double ball = median_of(values, count);
+  for (double& value : values) value = std::abs(value - ball);
+  return entry.out_of_round - ball > std::max(kLessRound, kLessRoundSpreads * median_of(values, count));
+}
+
+bool BallMemory::has_other_hue(const Entry& entry) const noexcept {
+  if (entry.colors == 0) return false;
+  const std::size_t count = std::min(moved_.size(), kMaxMoved);
   Color ball{};
   std::array<double, kMaxMoved> values;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -104,13 +125,12 @@ bool BallMemory::has_other_hue(Entry& entry) const noexcept {
     return std::abs(sum) / length;
   };
   for (std::size_t i = 0; i < count; ++i) values[i] = off(moved_[i].chromaticity);
-  entry.had_other_hue =
-      off(entry.chromaticity) > std::max(kOtherHue, kOtherHueSpreads * median_of(values, count));
-  return entry.had_other_hue;
+  return off(entry.chromaticity) > std::max(kOtherHue, kOtherHueSpreads * median_of(values, count));
 }
 
 BallMemory::Known BallMemory::see(double x_mm, double y_mm, double outside_mm, const Color& color,
-                                  bool is_sure) noexcept {
+                                  double out_of_round, bool is_sure) noexcept {
+  if (!std::isfinite(out_of_round)) out_of_round = 0;
   const double sum = color[0] + color[1] + color[2];
   const bool has_color = sum > 0 && *std::max_element(color.begin(), color.end()) < kClipped;
   const auto add_color = [&](Entry& entry) {
@@ -127,12 +147,15 @@ BallMemory::Known BallMemory::see(double x_mm, double y_mm, double outside_mm, c
       std::find_if(begin, end, [&](const Entry& entry) { return distance_mm(entry) < kStillMm; });
   const bool is_off_field = outside_mm > kOffFieldMm;
   if (known != end) {
-    if (known->seen_s < now_s_) ++known->pictures;
+    if (known->seen_s < now_s_) {
+      ++known->pictures;
+      known->out_of_round += (out_of_round - known->out_of_round) / known->pictures;
+    }
     known->seen_s = now_s_;
     known->is_sure = known->is_sure || is_sure;
     add_color(*known);
     return {is_off_field && !known->is_ball && known->pictures > kStandsAfter, known->pictures > 1,
-            known->pictures > 1 && has_other_hue(*known)};
+            known->pictures > 1 && is_unlike_balls(*known)};
   }
   Entry now{};
   now.x_mm = now.from_x_mm = x_mm;
@@ -141,6 +164,7 @@ BallMemory::Known BallMemory::see(double x_mm, double y_mm, double outside_mm, c
   now.pictures = 1;
   now.is_ball = !is_off_field;
   now.is_sure = is_sure;
+  now.out_of_round = out_of_round;
   now.was_there = now_s_ - begun_s_ < kBeginningS;
   add_color(now);
   Entry* before = nullptr;

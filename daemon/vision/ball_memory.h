@@ -11,21 +11,24 @@ namespace sslv {
 /// Distinguishes balls from other objects in the hall by their history. An object off the field is furniture
 /// if it has never moved and did not come from the field. A ball that rolls off the field is not furniture,
 /// nor is any object on the field. Also, an object that has not moved since the memory began, on or off the
-/// field, is not a ball if its hue differs from the hue of the balls that have moved: balls that have moved
-/// show the colour of balls in this hall more exactly than any table. An object that appeared later is not
-/// judged by its hue, because it may be a ball in different light.
+/// field, is not a ball if it differs in hue from the balls that have moved, or is clearly less round than
+/// they are: balls that have moved show the colour and outline of balls in this hall more exactly than any
+/// table or limit. An object that appeared later is not compared, because it may be a ball in different
+/// light.
 class BallMemory {
  public:
   /// Call before an image's detections. Forgets everything if the time jumps back.
   void begin(double now_s) noexcept;
   struct Known {
     bool as_furniture = false;
-    bool at_rest = false;        // was seen at this place in an earlier image, too
-    bool has_other_hue = false;  // another hue than the balls that have moved
+    bool at_rest = false;       // was seen at this place in an earlier image, too
+    bool unlike_balls = false;  // has another hue or outline than the balls that have moved
   };
   using Color = std::array<double, 3>;  // red, green and blue, in grey levels
-  /// Records an object that is or may be a ball. `is_sure`: the balls' colour may be learnt from this object.
-  Known see(double x_mm, double y_mm, double outside_mm, const Color& color, bool is_sure) noexcept;
+  /// Records an object that is or may be a ball. `out_of_round`: see BallEvidence. `is_sure`: the balls'
+  /// colour and outline may be learnt from this object.
+  Known see(double x_mm, double y_mm, double outside_mm, const Color& color, double out_of_round,
+            bool is_sure) noexcept;
 
   BallMemory() {
     entries_.reserve(kMax);
@@ -48,19 +51,23 @@ class BallMemory {
     bool is_sure;
     bool is_counted;  // is in moved_
     bool was_there;   // was there when the memory began
-    bool had_other_hue;
-    int colors;          // number of colours averaged in `chromaticity`
-    Color chromaticity;  // shares of red, green and blue
+    bool was_unlike;
+    int colors;           // number of colours averaged in `chromaticity`
+    Color chromaticity;   // shares of red, green and blue
+    double out_of_round;  // mean over `pictures`
   };
   /// A ball that has left its place.
   struct Moved {
     double x_mm, y_mm;
     Color chromaticity;
+    double out_of_round;
   };
   static constexpr std::size_t kMaxMoved = 32;
 
   void count_moved(Entry& entry) noexcept;
-  bool has_other_hue(Entry& entry) const noexcept;
+  bool has_other_hue(const Entry& entry) const noexcept;
+  bool is_less_round(const Entry& entry) const noexcept;
+  bool is_unlike_balls(Entry& entry) const noexcept;
 
   std::vector<Entry> entries_;  // at most kMax
   double begun_s_ = 0, now_s_ = 0;

@@ -32,10 +32,9 @@ double looks_like_ball(const BallEvidence& e) {
   const double orange =
       e.is_orange ? std::clamp(0.6 - e.color_off, 0.0, 0.6) * std::clamp(1 - 8 * area, 0.0, 1.0) : 0;
   return -0.6 - 2.9 * std::log(unexplained) - 1.55 * std::log(1 + e.radius_off * e.radius_off) -
-         2.7 * e.moved_share - 10 * area_counts(e) * std::max(area, 0.0) + 1.9 * std::min(area, 0.0) +
-         6 * std::min(area + 0.6, 0.0) - 2.2 * (1 - e.clear_share) + 11.5 * hidden -
-         6.8 * std::clamp(e.color_off - 1, 0.0, 4.0) - (e.is_orange ? 0 : 1.7) + 6 * std::log(contrast) +
-         4 * orange;
+         2.7 * e.moved_share - 10 * area_counts(e) * std::max(area, 0.0) + std::min(area, 0.0) -
+         2.2 * (1 - e.clear_share) + 11.5 * hidden - 6.8 * std::clamp(e.color_off - 1, 0.0, 4.0) -
+         (e.is_orange ? 0 : 1.7) + 6 * std::log(contrast) + 4 * orange;
 }
 
 /// Logit from the residuals of a sphere, the outline and the position.
@@ -74,6 +73,14 @@ double confidence_of(const RobotEvidence& e) noexcept {
 double confidence_of(const BallEvidence& e) noexcept {
   const double picture = looks_like_ball(e), shape = is_shaped_like_ball(e);
   return std::isfinite(picture) ? logistic(std::min(shape, picture)) : 0;
+}
+
+double confidence_among(double confidence, int candidates) noexcept {
+  // The odds fall as the share of balls among the candidates. With kUsual candidates they are those of the
+  // images to which the confidence was fitted.
+  constexpr double kUsual = 3;
+  const double favourable = confidence * kUsual / std::max(1, candidates);
+  return confidence > 0 ? favourable / (favourable + 1 - confidence) : 0;
 }
 
 }  // namespace sslv

@@ -79,7 +79,7 @@ constexpr double kSure = 0.8;
 /// images of 34 drawn halls. Not used if cells are coarse, because balls are then searched from additional
 /// starts.
 constexpr double kStillUnexplained = 0.3, kStillOff = 0.4, kMoreContrast = 1.5;
-/// Least confidence of objects that are remembered.
+/// Least confidence of objects that are remembered and that count as candidates.
 constexpr double kPerhaps = 0.02;
 
 /// Whether `place` is a better fit of a ball than `other`. If both have the same position, `other` is
@@ -97,6 +97,7 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
                           const FrameInfo& info, const Image& image, const RegionList& regions,
                           const RobotList& robots, BallList& out) noexcept {
   out.balls.clear();
+  candidates_.clear();
   out.capped = false;
   if (!scene.camera || image.view().empty()) return;
   const CameraModel& camera = *scene.camera;
@@ -187,30 +188,18 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
     if (!fit.ok) return;
     // Objects that are not reported are remembered too: in other light they may look more like balls.
     if (confidence < min_remembered) return;
-    const BallMemory::Known known =
-        memory_.see(fit.x_mm, fit.y_mm, evidence.outside_mm, fit.color, confidence > kSure);
-    if (known.as_furniture || known.has_other_hue || confidence < params.min_confidence) return;
-    // Compares with tape only if the ball is at rest, because a moving ball is blurred into a strip, and only
-    // if pixels are small enough to show the corners of tape.
-    constexpr double kLargePixel = 0.47;  // share of the radius
-    if (known.at_rest && std::sqrt(camera.mm2_per_px(pixel, radius_mm)) < kLargePixel * radius_mm) {
-      evidence.tape_gain = fitter_.rectangle_gain(frame, fit);
-      evidence.is_bayer = is_bayer(image.view().format);
-      confidence = confidence_of(evidence);
-      if (confidence < params.min_confidence) return;
-    }
-    const auto fitted = camera.project({fit.x_mm, fit.y_mm, radius_mm});
-    if (!fitted) return;
+    const BallMemory::Known known = memory_.see(fit.x_mm, fit.y_mm, evidence.outside_mm, fit.color,
+                                                evidence.out_of_round, confidence > kSure);
+    if (known.as_furniture || known.unlike_balls) return;
     // If several regions belong to one ball, the best fit counts.
-    const Ball ball{fit.x_mm,   fit.y_mm,      fitted->x(),   fitted->y(),        region.area_px,
-                    confidence, fit.place_cov, fit.radius_mm, fit.radius_sigma_mm};
-    const auto same = std::find_if(out.balls.begin(), out.balls.end(), [&](const Ball& other) {
-      return std::hypot(other.x_mm - ball.x_mm, other.y_mm - ball.y_mm) < radius_mm;
+    const Candidate candidate{fit, evidence, confidence, region.area_px, known.at_rest};
+    const auto same = std::find_if(candidates_.begin(), candidates_.end(), [&](const Candidate& other) {
+      return std::hypot(other.fit.x_mm - fit.x_mm, other.fit.y_mm - fit.y_mm) < radius_mm;
     });
-    if (same == out.balls.end()) {
-      out.balls.push_back(ball);
-    } else if (is_better(ball, confidence, *same, same->confidence)) {
-      *same = ball;
+    if (same == candidates_.end()) {
+      candidates_.push_back(candidate);
+    } else if (is_better(fit, confidence, same->fit, same->confidence)) {
+      *same = candidate;
     }
   };
   for (const Region& region : regions.of(label::kOrange)) {
@@ -224,6 +213,27 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
       if (out.capped) break;
       look_at(region);
     }
+  }
+  const auto count =
+      static_cast<int>(std::count_if(candidates_.begin(), candidates_.end(), [](const Candidate& candidate) {
+        return candidate.confidence >= kPerhaps;
+      }));
+  for (Candidate& candidate : candidates_) {
+    const BallFit& fit = candidate.fit;
+    double confidence = confidence_among(candidate.confidence, count);
+    const auto pixel = camera.project({fit.x_mm, fit.y_mm, radius_mm});
+    if (confidence < params.min_confidence || !pixel) continue;
+    // Compares with tape only if the ball is at rest, because a moving ball is blurred into a strip, and only
+    // if pixels are small enough to show the corners of tape.
+    constexpr double kLargePixel = 0.47;  // share of the radius
+    if (candidate.at_rest && std::sqrt(camera.mm2_per_px(*pixel, radius_mm)) < kLargePixel * radius_mm) {
+      candidate.evidence.tape_gain = fitter_.rectangle_gain(frame, fit);
+      candidate.evidence.is_bayer = is_bayer(image.view().format);
+      confidence = confidence_among(confidence_of(candidate.evidence), count);
+      if (confidence < params.min_confidence) continue;
+    }
+    out.balls.push_back({fit.x_mm, fit.y_mm, pixel->x(), pixel->y(), candidate.area_px, confidence,
+                         fit.place_cov, fit.radius_mm, fit.radius_sigma_mm});
   }
   std::sort(out.balls.begin(), out.balls.end(),
             [](const Ball& a, const Ball& b) { return a.confidence > b.confidence; });

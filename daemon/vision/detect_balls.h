@@ -12,6 +12,7 @@
 #include "vision/mask.h"
 #include "vision/regions.h"
 
+#include <cstdint>
 #include <tuple>
 #include <vector>
 
@@ -71,7 +72,15 @@ class DetectBalls {
   }
 
  private:
+  struct Candidate {
+    BallFit fit;
+    BallEvidence evidence;
+    double confidence;
+    std::uint32_t area_px;
+    bool at_rest;
+  };
   BallFitter fitter_;
+  std::vector<Candidate> candidates_;  // in the current image
   BallMemory memory_;
 };
 
