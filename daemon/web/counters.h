@@ -11,7 +11,7 @@ namespace sslv {
 /// The server's activity, readable from any thread.
 struct WebCounters {
   std::atomic<int> connections = 0;  // open now, viewers included
-  std::atomic<int> viewers = 0;      // WebSockets open now
+  std::atomic<int> viewers = 0;      // WebSockets open now, without clients' second ones
   std::atomic<std::uint64_t> jpegs_encoded = 0;
   std::atomic<std::uint64_t> unsent = 0;  // answers and messages dropped for slow clients
 };

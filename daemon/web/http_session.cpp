@@ -112,7 +112,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     const auto& header = parser.get();
     if (const auto refusal = check_header(header, std::string_view(received_).substr(0, header_size)))
       return refuse(refusal->status, refusal->text);
-    if (beast::websocket::is_upgrade(header) && view(header.target()) == WebSocketHub::kPath)
+    if (beast::websocket::is_upgrade(header) &&
+        (target == WebSocketHub::kPath || target == WebSocketHub::kSecondPath))
       return upgrade(header);
 
     const auto body_size = static_cast<std::size_t>(parser.content_length().value_or(0));

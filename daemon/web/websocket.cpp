@@ -143,9 +143,10 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     stream_.set_option(websocket::stream_base::decorator([](websocket::response_type& answer) {
       for (const auto& [name, value] : kSecurityHeaders) answer.set(name, value);
     }));
-    stream_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
+    const bool is_second = request.target() == WebSocketHub::kSecondPath.data();
+    stream_.async_accept(request, [self = shared_from_this(), is_second](beast::error_code error) {
       if (error) return;
-      self->viewer_.emplace(self->hub_.counters_.viewers);
+      if (!is_second) self->viewer_.emplace(self->hub_.counters_.viewers);
       self->hub_.joined(*self);
       self->read();
     });
@@ -278,7 +279,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   const ScopedCount connection_;  // holds the seat
   Connections::Seat& seat_;
   const MayLook may_look_;
-  std::optional<ScopedCount> viewer_;  // set once the handshake is done
+  std::optional<ScopedCount> viewer_;  // set after the handshake of a client's first connection
   beast::websocket::stream<Stream> stream_;
   beast::flat_buffer incoming_;
   std::deque<Outgoing> outbox_;

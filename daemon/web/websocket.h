@@ -33,7 +33,8 @@ std::vector<Route> websocket_routes();
 class WebSocketHub {
  public:
   using UpgradeRequest = boost::beast::http::request<boost::beast::http::empty_body>;
-  static constexpr std::string_view kPath = "/api/ws";
+  /// kSecondPath: another connection of a client that counts as a viewer already.
+  static constexpr std::string_view kPath = "/api/ws", kSecondPath = "/api/ws?second";
 
   /// All references and topics must outlive the hub. Topics are made on `workers`.
   WebSocketHub(boost::asio::io_context& io, boost::asio::io_context& workers, ViewSource& views,

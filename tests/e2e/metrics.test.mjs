@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The real service's monitoring routes: /metrics, /healthz, /readyz.
 import assert from 'node:assert/strict';
+import { once } from 'node:events';
 import { readFileSync } from 'node:fs';
 import { connect } from 'node:net';
 import { join } from 'node:path';
@@ -150,12 +151,20 @@ describe('monitoring', () => {
     assertNoneWentBack(later, grown);
   });
 
-  it('counts viewers', async () => {
+  it('counts viewers, not their second connections', async () => {
     assert.equal(value(await metrics(), 'sslv_preview_clients'), 0);
-    const socket = connect(service.settings.panel.port, '127.0.0.1');
-    socket.write('GET /api/ws HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n' +
-      'Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n');
+    const open = async (query) => {
+      const socket = connect(service.settings.panel.port, '127.0.0.1');
+      socket.write(`GET /api/ws${query} HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n` +
+        'Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n');
+      const [answer] = await once(socket, 'data');
+      assert.match(answer.toString('latin1'), /^HTTP\/1.1 101 /);
+      return socket;
+    };
+    const second = await open('?second'), socket = await open('');
     await becomes(metrics, (families) => value(families, 'sslv_preview_clients') === 1);
+    second.destroy();
+    assert.equal(value(await metrics(), 'sslv_preview_clients'), 1);
     socket.destroy();
     await becomes(metrics, (families) => value(families, 'sslv_preview_clients') === 0);
   });

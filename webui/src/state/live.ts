@@ -208,7 +208,7 @@ export const sharedLine: PictureLine = { start: startPreview, stop: stopPreview,
 /** A separate connection for a second image of the same camera: the shared one carries only one of each camera. */
 export function openLine(): PictureLine & { end(): void } {
   let wanted: { request: PreviewRequest; listener: PreviewListener } | null = null;
-  const line = new PanelSocket(socketUrl(), {
+  const line = new PanelSocket(`${socketUrl()}?second`, {
     open() {
       // A connection without regular messages counts as dead, so it subscribes to the status.
       line.send({ subscribe: ['status'] });
