@@ -80,7 +80,7 @@ double confidence_among(double confidence, int candidates) noexcept {
   // images to which the confidence was fitted.
   constexpr double kUsual = 3;
   const double favourable = confidence * kUsual / std::max(1, candidates);
-  return confidence > 0 ? favourable / (favourable + 1 - confidence) : 0;
+  return confidence > 0 ? favourable / (favourable + (1 - confidence)) : 0;
 }
 
 }  // namespace sslv
