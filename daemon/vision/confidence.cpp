@@ -76,8 +76,8 @@ double confidence_of(const BallEvidence& e) noexcept {
 }
 
 double confidence_among(double confidence, int candidates) noexcept {
-  // The odds fall as the share of balls among the candidates. With kUsual candidates they are those of the
-  // images to which the confidence was fitted.
+  // The odds fall as the share of balls among the candidates. The confidence was fitted to images with kUsual
+  // candidates.
   constexpr double kUsual = 3;
   const double favourable = confidence * kUsual / std::max(1, candidates);
   return confidence > 0 ? favourable / (favourable + (1 - confidence)) : 0;
