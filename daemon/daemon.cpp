@@ -66,9 +66,10 @@ struct NetworkParts {
 
 struct FieldParts {
   FieldParts(Kept& kept, SettingsService& settings)
-      : service(settings.config(), intake, settings, kept.folder) {}
+      : service(settings.config(), intake, settings, kept.folder, for_log) {}
 
   FieldIntake intake;
+  TracksForLog for_log;
   FieldService service;
 };
 
@@ -114,10 +115,12 @@ struct RecordingParts {
   RecordingParts(Kept& kept, SettingsService& settings, NetworkParts& network, FieldParts& field,
                  CameraParts& cameras, ColorParts& colors, std::vector<KeptFile> left)
       : files(kept.folder.path() / RecordingFiles::kFolderName),
-        service(settings.config(), files, network.service.referee(),
-                [&network, &field](const auto& sender) {
-                  return network.multicast.is_own(sender) || field.service.is_own(sender);
-                }),
+        service(
+            settings.config(), files, network.service.referee(),
+            [&network, &field](const auto& sender) {
+              return network.multicast.is_own(sender) || field.service.is_own(sender);
+            },
+            field.for_log),
         clips(settings.config(), files, cameras.running, network.service.referee(), std::move(left)),
         replay(settings.config(), files, cameras.running,
                [&colors](int camera_id) { return colors.learning.learnt_table(camera_id); }) {}

@@ -71,14 +71,14 @@ void fade(TrackedField& tracked, double age_s) {
 }  // namespace
 
 FieldService::FieldService(const Snapshot<Config>& config, FieldIntake& intake, SettingsEditor& settings,
-                           StateFolder& folder)
+                           StateFolder& folder, TracksForLog& for_log)
     : config_(config),
       intake_(intake),
       settings_(settings),
       uuid_(stable_uuid(folder)),
       sender_(multicast_of(config.load()->network), "/network/tracker"),
       heard_queue_(intake.add()),
-      running_(intake, sender_, ball_, make_setup(*config.load())) {}
+      running_(intake, sender_, for_log, ball_, make_setup(*config.load())) {}
 
 FieldSetup FieldService::make_setup(const Config& config, std::shared_ptr<FieldPipeline> before) const {
   FieldSetup setup;

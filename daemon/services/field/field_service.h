@@ -31,7 +31,7 @@ class FieldService final : public Service, public Topic {
  public:
   /// All must outlive this. `config`: the current settings.
   FieldService(const Snapshot<Config>& config, FieldIntake& intake, SettingsEditor& settings,
-               StateFolder& folder);
+               StateFolder& folder, TracksForLog& for_log);
 
   /// Processes a message of another computer's vision, received at monotonic time `now_s`. `is_named`: the
   /// settings name that computer. Called by the listening thread.

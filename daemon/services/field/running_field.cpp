@@ -16,9 +16,11 @@ constexpr double kAgreementEvery_s = 1;
 
 }  // namespace
 
-RunningField::RunningField(FieldIntake& intake, MulticastSender& out, BallLearning& ball, FieldSetup setup)
+RunningField::RunningField(FieldIntake& intake, MulticastSender& out, TracksForLog& for_log,
+                           BallLearning& ball, FieldSetup setup)
     : intake_(intake),
       out_(out),
+      for_log_(for_log),
       ball_(ball),
       setup_(std::move(setup)),
       stage_totals_(field_stage_table().size()),
@@ -67,6 +69,9 @@ void RunningField::publish(const TrackedField& tracked) noexcept {
   if (in_use_->sends) {
     write_tracked(tracked, in_use_->source, packet_);
     out_.send(serialize(packet_, buffer_));
+  } else if (const std::int64_t now_ns = unix_time_ns(); for_log_.is_due(now_ns)) {
+    write_tracked(tracked, in_use_->source, packet_);
+    for_log_.write(now_ns, serialize(packet_, buffer_));
   }
   const std::int64_t took_ns = steady_ns() - frame_.arrived.handed_over_ns;
   latency_.add_ns(took_ns);

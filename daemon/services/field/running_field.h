@@ -10,6 +10,7 @@
 #include "pipeline/field_intake.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/stage_mark.h"
+#include "recording/tracks_for_log.h"
 #include "services/field/agreement_now.h"
 #include "services/field/ball_learning.h"
 #include "services/field/field_now.h"
@@ -55,7 +56,8 @@ class CountOverRestarts {
 class RunningField final : private FieldSink, private FieldClock {
  public:
   /// All must outlive this.
-  RunningField(FieldIntake& intake, MulticastSender& out, BallLearning& ball, FieldSetup setup);
+  RunningField(FieldIntake& intake, MulticastSender& out, TracksForLog& for_log, BallLearning& ball,
+               FieldSetup setup);
   ~RunningField() override { ask_to_stop(); }
   /// Starts stopping without waiting; the destructor waits.
   void ask_to_stop();
@@ -98,6 +100,7 @@ class RunningField final : private FieldSink, private FieldClock {
 
   FieldIntake& intake_;
   MulticastSender& out_;
+  TracksForLog& for_log_;
   BallLearning& ball_;
   Handover<FieldSetup> setup_;
   std::atomic<std::uint64_t> frames_{0};

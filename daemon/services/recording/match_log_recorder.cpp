@@ -6,18 +6,10 @@
 #include "base/error.h"
 #include "base/log.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace sslv {
-namespace {
-
-std::int64_t now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
-}  // namespace
 
 double MatchLogRecorder::Status::counted_share() const {
   if (ours_bytes == 0) return 1;
@@ -25,8 +17,9 @@ double MatchLogRecorder::Status::counted_share() const {
   return (ours + std::min(ours, strangers)) / (ours + strangers);
 }
 
-MatchLogRecorder::MatchLogRecorder(IsOurs is_ours)
+MatchLogRecorder::MatchLogRecorder(IsOurs is_ours, TracksForLog& tracks)
     : is_ours_(std::move(is_ours)),
+      tracks_(tracks),
       thread_([this](const std::stop_token& stop) { keep_writing(stop); }),
       vision_(*this, "log vision", LoggedMessage::kVision2014, kVisionShare_bytes_per_s),
       tracker_(*this, "log tracker", LoggedMessage::kTracker2020, kTrackerShare_bytes_per_s),
@@ -37,6 +30,7 @@ MatchLogRecorder::~MatchLogRecorder() {
 }
 
 void MatchLogRecorder::listen_now() {
+  tracks_.want(is_listening_);
   vision_.receiver.listen(is_listening_ ? std::optional(groups_.vision) : std::nullopt);
   tracker_.receiver.listen(is_listening_ ? std::optional(groups_.tracker) : std::nullopt);
   referee_.receiver.listen(is_listening_ ? groups_.referee : std::nullopt);
@@ -56,6 +50,7 @@ void MatchLogRecorder::begin(const std::filesystem::path& file) {
     const std::lock_guard lock(mutex_);
     status_ = {.is_recording = true, .problem = {}};
     waiting_.clear();
+    tracks_.read(unix_time_ns(), [](const auto&) {});  // those of the log before
     ends_ = cuts_strangers_ = false;
     writer_ = std::move(writer);
   }
@@ -103,7 +98,7 @@ void MatchLogRecorder::take(Group& group, const boost::asio::ip::udp::endpoint& 
                        group.share.take(sender.address().to_v4().to_uint(), datagram.size(), steady_s());
   const bool is_ours = is_good && is_ours_(group.type, sender);
   const std::lock_guard lock(mutex_);
-  const std::int64_t time_ns = now_ns();  // under the lock, so that messages are in order of time
+  const std::int64_t time_ns = unix_time_ns();  // under the lock, so that messages are in order of time
   if (!status_.is_recording) return;
   if (!is_good) {
     ++status_.refused;
@@ -128,14 +123,35 @@ void MatchLogRecorder::take(Group& group, const boost::asio::ip::udp::endpoint& 
                                               : status_.tracked);
 }
 
-bool MatchLogRecorder::write(const Waiting& some) {
+bool MatchLogRecorder::write(const Waiting& some, std::int64_t until_ns) {
   try {
+    std::uint64_t tracked = 0, tracked_bytes = 0;
+    const auto add = [&](std::int64_t time_ns, std::int32_t type, std::span<const std::byte> message) {
+      writer_->add(time_ns, type, message);
+      written_until_ns_ = time_ns;
+    };
+    const auto add_tracks = [&](std::int64_t time_ns) {
+      tracks_.read(time_ns, [&](const TracksForLog::Packet& packet) {
+        // The field's thread may have been interrupted between taking the time and handing over the packet.
+        constexpr std::int64_t kClockWasSet_ns = 1'000'000'000;
+        const bool is_late = written_until_ns_ - packet.time_ns < kClockWasSet_ns;
+        add(is_late ? std::max(packet.time_ns, written_until_ns_) : packet.time_ns,
+            LoggedMessage::kTracker2020, packet.bytes);
+        ++tracked;
+        tracked_bytes += packet.bytes.size() + kMessageHeaderBytes;
+      });
+    };
     std::span<const std::byte> bytes(some.bytes);
     for (const Waiting::Message& message : some.messages) {
-      writer_->add(message.time_ns, message.type, bytes.first(message.size));
+      add_tracks(message.time_ns);
+      add(message.time_ns, message.type, bytes.first(message.size));
       bytes = bytes.subspan(message.size);
     }
+    add_tracks(until_ns);
     writer_->flush();
+    const std::lock_guard lock(mutex_);
+    status_.tracked += tracked;
+    status_.ours_bytes += tracked_bytes;
     return true;
   } catch (const StorageError& error) {
     log::error("{}; the match log ends", error.what());
@@ -150,6 +166,7 @@ void MatchLogRecorder::keep_writing(const std::stop_token& stop) {
   Waiting some;
   while (true) {
     bool ends;
+    std::int64_t until_ns;
     {
       std::unique_lock lock(mutex_);
       changed_.wait(lock, stop, [this] { return status_.is_recording; });
@@ -157,8 +174,9 @@ void MatchLogRecorder::keep_writing(const std::stop_token& stop) {
       changed_.wait_for(lock, stop, kFlushInterval, [this] { return ends_; });
       ends = ends_ || stop.stop_requested();
       std::swap(some, waiting_);
+      until_ns = unix_time_ns();
     }
-    bool is_well = write(some);
+    bool is_well = write(some, until_ns);
     some.clear();
     if (is_well && ends) {
       try {

@@ -4,6 +4,7 @@
 #include "net/multicast_receiver.h"
 #include "recording/league_intake.h"
 #include "recording/match_log_writer.h"
+#include "recording/tracks_for_log.h"
 
 #include <chrono>
 #include <condition_variable>
@@ -32,8 +33,8 @@ struct MatchLogGroups {
 /// Records the league's messages that are sent to a field's groups, one log after the other. A sender is
 /// either ours (one of the field's own senders, see IsOurs) or a stranger. Receiver threads check and copy
 /// messages; a thread of low priority compresses and writes them, and syncs to the disk twice a second. A
-/// disk that hangs delays no receiver: messages that do not fit into the buffer are lost and counted. May be
-/// used from any thread.
+/// disk that hangs delays no receiver: messages that do not fit into the buffer are lost and counted. Our
+/// tracks are in a log even if they are not sent to the network. May be used from any thread.
 class MatchLogRecorder {
  public:
   static constexpr std::chrono::milliseconds kFlushInterval{500};
@@ -57,7 +58,8 @@ class MatchLogRecorder {
   /// Called from the receiver threads.
   using IsOurs = std::function<bool(std::int32_t type, const boost::asio::ip::udp::endpoint& sender)>;
 
-  explicit MatchLogRecorder(IsOurs is_ours);
+  /// `tracks` must outlive this.
+  MatchLogRecorder(IsOurs is_ours, TracksForLog& tracks);
   ~MatchLogRecorder();
 
   /// Sets the groups to record.
@@ -96,9 +98,11 @@ class MatchLogRecorder {
   void take(Group& group, const boost::asio::ip::udp::endpoint& sender, std::span<const std::byte> datagram);
   void listen_now();  // with control_mutex_ held
   void keep_writing(const std::stop_token& stop);
-  bool write(const Waiting& some);  // false: the log cannot be continued
+  /// Writes `some`, and our tracks up to `until_ns`. Returns false if the log cannot be continued.
+  bool write(const Waiting& some, std::int64_t until_ns);
 
   const IsOurs is_ours_;
+  TracksForLog& tracks_;
   std::mutex control_mutex_;  // serializes begin(), pause(), end() and listen()
   MatchLogGroups groups_;
   bool is_listening_ = false;
@@ -111,6 +115,7 @@ class MatchLogRecorder {
   bool cuts_strangers_ = false;
   std::uint64_t ours_before_cut_ = 0, strangers_before_cut_ = 0;  // bytes
   std::unique_ptr<MatchLogWriter> writer_;                        // used by the thread while it records
+  std::int64_t written_until_ns_ = 0;                             // used by the thread
 
   std::jthread thread_;
   struct Group {

@@ -81,12 +81,12 @@ std::string name_by_teams(const std::array<std::string, 2>& teams) {
 }  // namespace
 
 RecordingService::RecordingService(const Snapshot<Config>& config, RecordingFiles& files,
-                                   const RefereeListener& referee, IsOwn is_own)
+                                   const RefereeListener& referee, IsOwn is_own, TracksForLog& tracks)
     : config_(config),
       referee_(referee),
       files_(files),
       is_own_(std::move(is_own)),
-      recorder_([this](std::int32_t type, const auto& sender) { return is_ours(type, sender); }),
+      recorder_([this](std::int32_t type, const auto& sender) { return is_ours(type, sender); }, tracks),
       keeper_([this](const std::stop_token& stop) {
         // Not at idle priority: other threads wait for a lock that this thread sometimes holds.
         become_background_thread("log index", 19);

@@ -30,7 +30,7 @@ class RecordingService final : public Service {
   /// All must outlive this. `is_own`: whether this service sends from that address; called from receiver
   /// threads.
   RecordingService(const Snapshot<Config>& config, RecordingFiles& files, const RefereeListener& referee,
-                   IsOwn is_own);
+                   IsOwn is_own, TracksForLog& tracks);
 
   // Service
   void ask_to_stop() override {

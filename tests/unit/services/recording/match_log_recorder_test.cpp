@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "services/recording/match_log_recorder.h"
 
+#include "base/clock.h"
 #include "recording/match_log_reader.h"
 #include "ssl_vision_wrapper_tracked.pb.h"
 #include "support/becomes.h"
 #include "support/group_listener.h"
 #include "support/temporary_folder.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -36,7 +40,8 @@ class MatchLogRecorderTest : public ::testing::Test {
   GroupListener listener_;  // reserves the port
   MulticastSender sender_{settings_for(listener_)};
   std::atomic<bool> are_ours_ = true;
-  MatchLogRecorder recorder_{[this](std::int32_t, const auto&) { return are_ours_.load(); }};
+  TracksForLog tracks_;
+  MatchLogRecorder recorder_{[this](std::int32_t, const auto&) { return are_ours_.load(); }, tracks_};
 };
 
 TEST_F(MatchLogRecorderTest, DropsAndCountsForeignMessages) {
@@ -84,6 +89,52 @@ TEST_F(MatchLogRecorderTest, StrangersAreCutToAsMuchAsIsOurs) {
   recorder_.cut_strangers(false);
   ASSERT_TRUE(sent(4, 2));
   recorder_.end();
+}
+
+TEST_F(MatchLogRecorderTest, HoldsTracksThatAreNotSent) {
+  const auto write = [&](std::int64_t time_ns, const std::string& bytes) {
+    tracks_.write(time_ns, std::as_bytes(std::span(bytes)));
+  };
+  EXPECT_FALSE(tracks_.is_due(unix_time_ns() + TracksForLog::kPeriod_ns)) << "nobody records";
+  write(unix_time_ns(), "before the log");
+  recorder_.begin(file_);
+  EXPECT_TRUE(tracks_.is_due(unix_time_ns() + TracksForLog::kPeriod_ns));
+  send_tracked();
+  ASSERT_TRUE(test::becomes([&] { return recorder_.status().tracked == 1; }));
+  const std::int64_t late_ns = unix_time_ns() - 5'000'000;  // before the message above, perhaps
+  write(late_ns, "late");
+  EXPECT_FALSE(tracks_.is_due(late_ns + TracksForLog::kPeriod_ns - 1)) << "too soon";
+  EXPECT_TRUE(tracks_.is_due(late_ns + TracksForLog::kPeriod_ns));
+  EXPECT_TRUE(tracks_.is_due(late_ns - 3'600'000'000'000)) << "the clock was set back";
+  write(unix_time_ns(), "in time");
+  ASSERT_TRUE(test::becomes([&] { return recorder_.status().tracked == 3; }));
+  recorder_.pause(true);
+  EXPECT_FALSE(tracks_.is_due(unix_time_ns() + TracksForLog::kPeriod_ns));
+  recorder_.end();
+  EXPECT_EQ(recorder_.status().strangers_bytes, 0U);
+  MatchLogReader reader(file_);
+  LoggedMessage message;
+  std::int64_t last_ns = 0;
+  std::vector<std::string> found;
+  while (reader.next(message)) {
+    EXPECT_EQ(message.type, LoggedMessage::kTracker2020);
+    EXPECT_GE(message.time_ns, last_ns);
+    last_ns = message.time_ns;
+    const auto* const text = reinterpret_cast<const char*>(message.bytes.data());
+    found.emplace_back(text, message.bytes.size());
+  }
+  ASSERT_EQ(found.size(), 3U);
+  EXPECT_EQ(std::ranges::count(found, "late"), 1);
+  EXPECT_EQ(found.back(), "in time");
+}
+
+TEST_F(MatchLogRecorderTest, TracksAreDroppedWhileTheLogCannotTakeThem) {
+  recorder_.begin(file_);
+  recorder_.end();
+  for (int i = 0; i < 1000; ++i) tracks_.write(i, {});
+  recorder_.begin(file_);
+  recorder_.end();
+  EXPECT_EQ(recorder_.status().tracked, 0U) << "they are of no log";
 }
 
 TEST_F(MatchLogRecorderTest, ALogWhoseIndexCannotBeWrittenIsRecorded) {
