@@ -283,8 +283,8 @@ std::optional<Json> MatchMoments::at(double at_s, const std::stop_token& stop) {
       camera["time_s"] = time_s;
     } else if (message.type == LoggedMessage::kTracker2020 && parse(tracker, message.bytes) &&
                tracker.has_tracked_frame()) {
-      // If several trackers send, use the first one.
-      if (out["tracked"].is_null()) tracker_source = tracker.uuid();
+      // If several trackers send, always use the same one.
+      if (out["tracked"].is_null() || tracker.uuid() < tracker_source) tracker_source = tracker.uuid();
       if (tracker.uuid() == tracker_source) out["tracked"] = tracked_json(tracker.tracked_frame());
     }
   }

@@ -15,7 +15,7 @@ namespace sslv {
 /// thread writes and never waits, another one reads.
 class TracksForLog {
  public:
-  /// In a log, tracks that are not sent are this far apart.
+  /// In a log, tracks that are not sent are at least this far apart.
   static constexpr std::int64_t kPeriod_ns = 1'000'000'000 / 30;
   struct Packet {
     std::int64_t time_ns = 0;  // Unix time
@@ -34,11 +34,14 @@ class TracksForLog {
     return is_wanted_.load(std::memory_order_relaxed) &&
            (now_ns >= written_ns_ + kPeriod_ns || now_ns < written_ns_);
   }
-  /// Drops the packet if the log's disk hangs.
+  /// Drops and counts the packet if the log's disk hangs.
   void write(std::int64_t now_ns, std::span<const std::byte> bytes) noexcept {
     written_ns_ = now_ns;
     Packet* const slot = queue_.to_write();
-    if (slot == nullptr) return;
+    if (slot == nullptr) {
+      dropped_.fetch_add(1, std::memory_order_relaxed);
+      return;
+    }
     slot->time_ns = now_ns;
     slot->bytes.assign(bytes.begin(), bytes.end());
     queue_.write();
@@ -55,10 +58,14 @@ class TracksForLog {
     }
   }
 
+  /// Number of packets dropped since the last call. For the reader.
+  std::uint64_t take_dropped() noexcept { return dropped_.exchange(0, std::memory_order_relaxed); }
+
  private:
   static constexpr std::size_t kSlots = 64, kUsualBytes = 8192;
   std::atomic<bool> is_wanted_ = false;
   std::int64_t written_ns_ = 0;  // used by the writer
+  std::atomic<std::uint64_t> dropped_ = 0;
   SlotQueue<Packet, kSlots> queue_;
 };
 

@@ -23,12 +23,17 @@ class BallMemory {
     bool as_furniture = false;
     bool at_rest = false;       // was seen at this place in an earlier image, too
     bool unlike_balls = false;  // has another hue or outline than the balls that have moved
+    std::size_t number = 0;     // for over_time(), in the same image
   };
   using Color = std::array<double, 3>;  // red, green and blue, in grey levels
   /// Records an object that is or may be a ball. `out_of_round`: see BallEvidence. `is_sure`: the balls'
   /// colour and outline may be learnt from this object.
   Known see(double x_mm, double y_mm, double outside_mm, const Color& color, double out_of_round,
             bool is_sure) noexcept;
+
+  /// An object's confidence from this image and those before, in which it was at the same place, or from
+  /// which it has moved on as a ball. Call once in each image.
+  double over_time(std::size_t number, double confidence) noexcept;
 
   BallMemory() {
     entries_.reserve(kMax);
@@ -55,6 +60,8 @@ class BallMemory {
     int colors;           // number of colours averaged in `chromaticity`
     Color chromaticity;   // shares of red, green and blue
     double out_of_round;  // mean over `pictures`
+    bool is_rated;
+    double rated_s, logit;  // last call of over_time(), and the confidence from then
   };
   /// A ball that has left its place.
   struct Moved {

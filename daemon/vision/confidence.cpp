@@ -75,12 +75,4 @@ double confidence_of(const BallEvidence& e) noexcept {
   return std::isfinite(picture) ? logistic(std::min(shape, picture)) : 0;
 }
 
-double confidence_among(double confidence, int candidates) noexcept {
-  // The odds fall as the share of balls among the candidates. The confidence was fitted to images with kUsual
-  // candidates.
-  constexpr double kUsual = 3;
-  const double favourable = confidence * kUsual / std::max(1, candidates);
-  return confidence > 0 ? favourable / (favourable + (1 - confidence)) : 0;
-}
-
 }  // namespace sslv

@@ -38,8 +38,4 @@ struct BallEvidence {
 };
 double confidence_of(const BallEvidence& evidence) noexcept;
 
-/// `confidence` of a ball in an image in which `candidates` objects, itself included, may be balls. Where
-/// nothing else resembles a ball, a poor image of one is more likely a ball than among many such objects.
-double confidence_among(double confidence, int candidates) noexcept;
-
 }  // namespace sslv

@@ -79,7 +79,7 @@ constexpr double kSure = 0.8;
 /// images of 34 drawn halls. Not used if cells are coarse, because balls are then searched from additional
 /// starts.
 constexpr double kStillUnexplained = 0.3, kStillOff = 0.4, kMoreContrast = 1.5;
-/// Least confidence of objects that are remembered and that count as candidates.
+/// Least confidence of objects that are remembered.
 constexpr double kPerhaps = 0.02;
 
 /// Whether `place` is a better fit of a ball than `other`. If both have the same position, `other` is
@@ -192,7 +192,7 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
                                                 evidence.out_of_round, confidence > kSure);
     if (known.as_furniture || known.unlike_balls) return;
     // If several regions belong to one ball, the best fit counts.
-    const Candidate candidate{fit, evidence, confidence, region.area_px, known.at_rest};
+    const Candidate candidate{fit, evidence, confidence, region.area_px, known};
     const auto same = std::find_if(candidates_.begin(), candidates_.end(), [&](const Candidate& other) {
       return std::hypot(other.fit.x_mm - fit.x_mm, other.fit.y_mm - fit.y_mm) < radius_mm;
     });
@@ -214,24 +214,22 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
       look_at(region);
     }
   }
-  const auto count =
-      static_cast<int>(std::count_if(candidates_.begin(), candidates_.end(), [](const Candidate& candidate) {
-        return candidate.confidence >= kPerhaps;
-      }));
   for (Candidate& candidate : candidates_) {
     const BallFit& fit = candidate.fit;
-    double confidence = confidence_among(candidate.confidence, count);
+    double confidence = candidate.confidence;
     const auto pixel = camera.project({fit.x_mm, fit.y_mm, radius_mm});
-    if (confidence < params.min_confidence || !pixel) continue;
+    if (!pixel) continue;
     // Compares with tape only if the ball is at rest, because a moving ball is blurred into a strip, and only
     // if pixels are small enough to show the corners of tape.
     constexpr double kLargePixel = 0.47;  // share of the radius
-    if (candidate.at_rest && std::sqrt(camera.mm2_per_px(*pixel, radius_mm)) < kLargePixel * radius_mm) {
+    if (confidence >= params.min_confidence && candidate.known.at_rest &&
+        std::sqrt(camera.mm2_per_px(*pixel, radius_mm)) < kLargePixel * radius_mm) {
       candidate.evidence.tape_gain = fitter_.rectangle_gain(frame, fit);
       candidate.evidence.is_bayer = is_bayer(image.view().format);
-      confidence = confidence_among(confidence_of(candidate.evidence), count);
-      if (confidence < params.min_confidence) continue;
+      confidence = confidence_of(candidate.evidence);
     }
+    confidence = memory_.over_time(candidate.known.number, confidence);
+    if (confidence < params.min_confidence) continue;
     out.balls.push_back({fit.x_mm, fit.y_mm, pixel->x(), pixel->y(), candidate.area_px, confidence,
                          fit.place_cov, fit.radius_mm, fit.radius_sigma_mm});
   }

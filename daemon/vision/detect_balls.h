@@ -77,7 +77,7 @@ class DetectBalls {
     BallEvidence evidence;
     double confidence;
     std::uint32_t area_px;
-    bool at_rest;
+    BallMemory::Known known;
   };
   BallFitter fitter_;
   std::vector<Candidate> candidates_;  // in the current image

@@ -125,23 +125,24 @@ describe('match logs', () => {
   });
 
   it('hold our tracks even while they are not sent', async () => {
-    const heard = [];
-    const others = await listenTo(TRACKER_GROUP, service.settings.network.tracker.port, (packet) => heard.push(packet));
-    await becomes(() => heard.length, (count) => count > 0);
-    await service.patch({ op: 'replace', path: '/network/tracker/enabled', value: false });
-    const sent = heard.length;
-    assert.equal((await ask('POST', '/match-log', { record: true, name: 'silent' })).status, 200);
-    await becomes(state, ({ messages }) => messages.vision > 60 && messages.tracked > 10);
-    assert.equal((await ask('POST', '/match-log', { record: false })).status, 200);
-    others.close();
+    const heard = new Set();
+    const others = await listenTo(TRACKER_GROUP, service.settings.network.tracker.port, (packet) => heard.add(packet.toString('base64')));
+    try {
+      await becomes(() => heard.size, (count) => count > 0);
+      await service.patch({ op: 'replace', path: '/network/tracker/enabled', value: false });
+      assert.equal((await ask('POST', '/match-log', { record: true, name: 'silent' })).status, 200);
+      await becomes(state, ({ messages }) => messages.vision > 60 && messages.tracked > 20);
+      assert.equal((await ask('POST', '/match-log', { record: false })).status, 200);
+    } finally {
+      others.close();
+    }
     const log = await newestIsRead();
     const messages = messagesOf(readFileSync(join(folder, log.name)));
     const tracked = ofType(messages, TRACKED);
     assert.equal(log.messages.tracked, tracked.length);
     assert.ok(messages.every(({ time }, i) => i === 0 || time >= messages[i - 1].time), 'in the order of their times');
-    assert.ok(tracked.length <= 1 + 31 * (messages.at(-1).time - messages[0].time), `${tracked.length} in ${messages.at(-1).time - messages[0].time} s`);
     assert.ok(tracked.every(({ bytes }) => bytes.includes('ssl-visiond')), 'they name their source');
-    assert.ok(heard.length <= sent + 5, `${heard.length - sent} were sent after the change`);
+    assert.ok(tracked.slice(-10).every(({ bytes }) => !heard.has(bytes.toString('base64'))), 'they were not sent');
     await ask('DELETE', `/logs/${log.name}`);
   });
 

@@ -51,6 +51,7 @@ void MatchLogRecorder::begin(const std::filesystem::path& file) {
     status_ = {.is_recording = true, .problem = {}};
     waiting_.clear();
     tracks_.read(unix_time_ns(), [](const auto&) {});  // those of the log before
+    tracks_.take_dropped();
     ends_ = cuts_strangers_ = false;
     writer_ = std::move(writer);
   }
@@ -152,6 +153,7 @@ bool MatchLogRecorder::write(const Waiting& some, std::int64_t until_ns) {
     const std::lock_guard lock(mutex_);
     status_.tracked += tracked;
     status_.ours_bytes += tracked_bytes;
+    status_.lost += tracks_.take_dropped();
     return true;
   } catch (const StorageError& error) {
     log::error("{}; the match log ends", error.what());

@@ -34,7 +34,7 @@ struct MatchLogGroups {
 /// either ours (one of the field's own senders, see IsOurs) or a stranger. Receiver threads check and copy
 /// messages; a thread of low priority compresses and writes them, and syncs to the disk twice a second. A
 /// disk that hangs delays no receiver: messages that do not fit into the buffer are lost and counted. Our
-/// tracks are in a log even if they are not sent to the network. May be used from any thread.
+/// tracks are in a log even if the settings do not send them to the network. May be used from any thread.
 class MatchLogRecorder {
  public:
   static constexpr std::chrono::milliseconds kFlushInterval{500};

@@ -109,39 +109,69 @@ TEST(BallMemory, AThingOfAnotherHueThatNeverMovedIsNoBall) {
   EXPECT_TRUE(memory.see(0, 200, -100, kRed, kRound, true).unlike_balls);
 }
 
-TEST(BallMemory, ALessRoundThingThatNeverMovedIsNoBall) {
+TEST(BallMemory, ALessRoundThingThatNeverMovedIsNoBallAfterAWhile) {
   BallMemory memory;
-  int tape = 0;
-  for (int i = 0; i < 15; ++i) {
-    memory.begin(10 + i * kFrameS);
+  for (int i = 0; i < 20; ++i) {
+    const double since_s = 3.0 * i;
+    memory.begin(10 + since_s);
     let_balls_move(memory, i);
     // Noise makes an image of tape as round as a ball now and then, and a ball as square as tape.
-    if (!memory.see(0, 200, -100, kOrange, i % 4 == 1 ? kRound : kSquare, true).unlike_balls) ++tape;
-    EXPECT_FALSE(memory.see(500, 200, -100, kOrange, i % 4 == 1 ? kSquare : kRound, true).unlike_balls);
+    const bool is_odd = i % 4 == 1;
+    const auto tape = memory.see(0, 200, -100, kOrange, is_odd ? kRound : kSquare, true);
+    EXPECT_EQ(tape.unlike_balls, since_s >= 30) << since_s;
+    EXPECT_FALSE(memory.see(500, 200, -100, kOrange, is_odd ? kSquare : kRound, true).unlike_balls);
   }
-  EXPECT_LE(tape, 4);
-  EXPECT_TRUE(memory.see(0, 200, -100, kOrange, kRound, true).unlike_balls);
 }
 
-TEST(BallMemory, OfBallsThatDifferWidelyInRoundnessNoneIsLessRound) {
-  BallMemory memory;
-  for (int i = 0; i < 15; ++i) {
-    memory.begin(10 + i * kFrameS);
-    memory.see(-3000 + 400 * i, 1000, -1000, kOrange, kRound + 0.3 * (i % 5), true);
-    EXPECT_FALSE(memory.see(0, 200, -100, kOrange, kSquare, true).unlike_balls) << i;
+TEST(BallMemory, FewBallsOrBallsThatDifferWidelyDoNotTeachTheOutline) {
+  BallMemory few, differ;
+  for (int i = 0; i < 20; ++i) {
+    few.begin(10 + 3.0 * i);
+    few.see(-3000 + 400 * std::min(i, 9), 1000, -1000, kOrange, kRound, true);  // nine places, then it rests
+    EXPECT_FALSE(few.see(0, 200, -100, kOrange, kSquare, true).unlike_balls) << i;
+    differ.begin(10 + 3.0 * i);
+    differ.see(-3000 + 400 * i, 1000, -1000, kOrange, kRound + 0.3 * (i % 5), true);
+    EXPECT_FALSE(differ.see(0, 200, -100, kOrange, kSquare, true).unlike_balls) << i;
   }
 }
 
 TEST(BallMemory, ALessRoundThingThatMovedOrAppearedLaterIsABall) {
   BallMemory memory;
-  for (int i = 0; i < 1200; ++i) {
-    memory.begin(10 + i * kFrameS);
+  for (int i = 0; i < 60; ++i) {
+    memory.begin(10 + 3.0 * i);
     let_balls_move(memory, i % 15);
-    const double x_mm = std::min(2000.0, 30.0 * i);
-    EXPECT_FALSE(memory.see(x_mm, -200, -100, kOrange, kSquare, true).unlike_balls) << "rolls to a line";
-    if (i <= 700) continue;
+    if (i <= 5) continue;
     EXPECT_FALSE(memory.see(500, 200, -100, kOrange, kSquare, true).unlike_balls) << "laid there";
   }
+}
+
+TEST(BallMemory, ConfidenceOverTime) {
+  BallMemory memory;
+  double now_s = 10;
+  const auto rate = [&](double x_mm, double confidence) {
+    now_s += kFrameS;
+    memory.begin(now_s);
+    return memory.over_time(see(memory, x_mm, 0, -1000).number, confidence);
+  };
+  EXPECT_NEAR(rate(0, 0.99), 0.99, 1e-9);
+  EXPECT_GT(rate(0, 0.3), 0.5) << "a ball in a poor image";
+  for (int i = 0; i < 20; ++i) rate(0, 0.01);
+  EXPECT_LT(rate(0, 0.6), 0.5) << "tape in an image in which it resembles a ball";
+  EXPECT_GT(rate(0, 0.99), 0.5) << "a ball that a robot uncovers";
+  for (int i = 0; i < 20; ++i) rate(0, 0.9999);
+  int images = 0;
+  while (rate(0, 0.1) > 0.5) ++images;
+  EXPECT_LE(images, 5) << "a ball that was replaced by something else";
+  // A ball that moves on keeps its confidence; something that is no ball does not hand on that it is none.
+  rate(0, 0.9999);
+  rate(0, 0.9999);
+  EXPECT_GT(rate(40, 0.3), 0.5);
+  for (int i = 0; i < 20; ++i) rate(40, 0.01);
+  EXPECT_NEAR(rate(80, 0.6), 0.6, 1e-9);
+  now_s += 1;
+  EXPECT_NEAR(rate(80, 0.3), 0.3, 1e-9) << "a second later";
+  EXPECT_GE(rate(80, 0), 0);
+  EXPECT_LE(rate(80, 1), 1);
 }
 
 TEST(BallMemory, StandingThingsDoNotTeachTheHue) {

@@ -85,23 +85,6 @@ TEST(Confidence, OfABallGrowsWithItsEvidence) {
   EXPECT_LT(confidence_of(yellow), confidence_of(good_ball()));
 }
 
-TEST(Confidence, OfABallFallsWithTheNumberOfCandidates) {
-  EXPECT_DOUBLE_EQ(confidence_among(0.4, 3), 0.4);
-  EXPECT_DOUBLE_EQ(confidence_among(0.25, 1), 0.5) << "three times the odds";
-  EXPECT_GT(confidence_among(0.99, 60), 0.8);
-  for (const double confidence : {0.0, 1e-13, 0.02, 0.5, 0.9, 1.0}) {
-    double last = 1;
-    for (const int candidates : {0, 1, 2, 3, 10, 200, 100'000}) {
-      const double now = confidence_among(confidence, candidates);
-      EXPECT_GE(now, 0);
-      EXPECT_LE(now, last) << confidence << " among " << candidates;
-      last = now;
-    }
-  }
-  EXPECT_EQ(confidence_among(0, 1), 0);
-  EXPECT_EQ(confidence_among(1, 200), 1);
-}
-
 TEST(Confidence, IsANumberWhateverTheEvidence) {
   const std::vector<double> odd{kNan,   kInf, -kInf, 1e300,
                                 -1e300, 0,    -1,    std::numeric_limits<double>::denorm_min()};

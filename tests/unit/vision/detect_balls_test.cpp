@@ -460,25 +460,6 @@ TEST(DetectBalls, TheBestOnesAreReported) {
   }
 }
 
-TEST(DetectBalls, AmongManyLikeItABallIsLessSure) {
-  DetectBalls::Params params;
-  params.min_confidence = 0;
-  double last = 1;
-  for (const int balls : {1, 2, 6}) {
-    DrawnScene drawn(plain_options(PixelFormat::kUyvy, 4));
-    for (int i = 0; i < balls; ++i) {
-      drawn.add_ball(700 + 300.0 * i, 400);
-      drawn.cover(700 + 300.0 * i + 20, 400, 60, 12, {60, 60, 60});
-    }
-    const auto found = drawn.balls(params).balls;
-    const auto first = std::find_if(found.begin(), found.end(),
-                                    [](const Ball& ball) { return std::abs(ball.x_mm - 700) < kBallMm; });
-    ASSERT_NE(first, found.end());
-    EXPECT_LT(first->confidence, last) << balls;
-    last = first->confidence;
-  }
-}
-
 TEST(DetectBalls, DropsBallsBelowTheMinimumConfidence) {
   DrawnScene drawn(plain_options(PixelFormat::kUyvy, 4));
   for (int i = 0; i < 4; ++i) drawn.add_ball(700 + 300.0 * i, 400);

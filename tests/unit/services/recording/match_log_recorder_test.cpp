@@ -111,30 +111,37 @@ TEST_F(MatchLogRecorderTest, HoldsTracksThatAreNotSent) {
   recorder_.pause(true);
   EXPECT_FALSE(tracks_.is_due(unix_time_ns() + TracksForLog::kPeriod_ns));
   recorder_.end();
-  EXPECT_EQ(recorder_.status().strangers_bytes, 0U);
   MatchLogReader reader(file_);
   LoggedMessage message;
   std::int64_t last_ns = 0;
+  std::uint64_t bytes = 0;
   std::vector<std::string> found;
   while (reader.next(message)) {
     EXPECT_EQ(message.type, LoggedMessage::kTracker2020);
     EXPECT_GE(message.time_ns, last_ns);
     last_ns = message.time_ns;
+    bytes += message.bytes.size() + kMessageHeaderBytes;
     const auto* const text = reinterpret_cast<const char*>(message.bytes.data());
     found.emplace_back(text, message.bytes.size());
   }
   ASSERT_EQ(found.size(), 3U);
   EXPECT_EQ(std::ranges::count(found, "late"), 1);
   EXPECT_EQ(found.back(), "in time");
+  EXPECT_EQ(recorder_.status().ours_bytes, bytes) << "the quota counts them as ours";
 }
 
-TEST_F(MatchLogRecorderTest, TracksAreDroppedWhileTheLogCannotTakeThem) {
-  recorder_.begin(file_);
-  recorder_.end();
+TEST_F(MatchLogRecorderTest, CountsTracksThatDoNotFitIntoMemory) {
   for (int i = 0; i < 1000; ++i) tracks_.write(i, {});
+  EXPECT_GT(tracks_.take_dropped(), 0U);
   recorder_.begin(file_);
   recorder_.end();
   EXPECT_EQ(recorder_.status().tracked, 0U) << "they are of no log";
+  recorder_.begin(file_);
+  // Later than any time that the log takes yet.
+  for (int i = 0; i < 1000; ++i) tracks_.write(unix_time_ns() + 500'000'000, {});
+  ASSERT_TRUE(test::becomes([&] { return recorder_.status().tracked + recorder_.status().lost == 1000; }));
+  EXPECT_GT(recorder_.status().lost, 0U);
+  recorder_.end();
 }
 
 TEST_F(MatchLogRecorderTest, ALogWhoseIndexCannotBeWrittenIsRecorded) {
