@@ -200,7 +200,9 @@ BallMemory::Known BallMemory::see(double x_mm, double y_mm, double outside_mm, c
     now.from_y_mm = before->from_y_mm;
     now.has_moved = before->has_moved || std::hypot(x_mm - now.from_x_mm, y_mm - now.from_y_mm) > kMovedMm;
     now.is_ball = now.is_ball || before->is_ball || now.has_moved;
-    if (before->is_rated && before->logit > 0) {
+    // Something else may have disappeared within a ball's reach.
+    const bool is_same = before->pictures <= kPassing || distance_mm(*before) < kTrackReachMm;
+    if (is_same && before->is_rated && before->logit > 0) {
       now.is_rated = true;
       now.rated_s = before->rated_s;
       now.logit = before->logit;

@@ -3,6 +3,7 @@
 // hours; without LOG, uses generated packets.
 #include "base/error.h"
 #include "net/packets.h"
+#include "net/tracker_packets.h"
 #include "recording/match_log_index.h"
 #include "recording/match_log_reader.h"
 #include "recording/match_log_writer.h"
@@ -38,7 +39,8 @@ class Watch {
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
-/// One minute of four cameras at 60 Hz that see 22 robots driving in circles, with pixel noise.
+/// One minute of four cameras at 60 Hz that see 22 robots driving in circles, with pixel noise, and of their
+/// tracks at 30 Hz.
 std::vector<LoggedMessage> drawn_minute() {
   std::vector<LoggedMessage> out;
   std::vector<std::byte> buffer;
@@ -64,6 +66,25 @@ std::vector<LoggedMessage> drawn_minute() {
       out.push_back(
           {static_cast<std::int64_t>(t_s * 1e9), LoggedMessage::kVision2014, {bytes.begin(), bytes.end()}});
     }
+    if (frame % 2 != 0) continue;
+    TrackedField tracked{.number = frame, .t_s = 1.8e9 + frame / 60.0 + 4e-3};
+    for (int i = 0; i < 22; ++i) {
+      TrackedRobot& robot = tracked.robots.emplace_back();
+      robot.name = {i < 11 ? Team::kYellow : Team::kBlue, i % 11};
+      const double phase = tracked.t_s + i;
+      robot.place_mm = {300.0 * i - 3000 + 200 * std::cos(phase) + noise(chance),
+                        200 * std::sin(phase) + noise(chance)};
+      robot.velocity_mm_s = {-200 * std::sin(phase) + noise(chance), 200 * std::cos(phase) + noise(chance)};
+      robot.orientation_rad = std::remainder(phase, 2 * M_PI);
+      robot.turn_rad_s = 1 + 0.01 * noise(chance);
+      robot.visibility = 1;
+    }
+    TrackerWrapperPacket packet;
+    write_tracked(tracked, {"7f6c7a52-43a8-4e0a-8f39-0f4d0a8b2c11", "ssl-visiond"}, packet);
+    const auto bytes = serialize(packet, buffer);
+    out.push_back({static_cast<std::int64_t>(tracked.t_s * 1e9),
+                   LoggedMessage::kTracker2020,
+                   {bytes.begin(), bytes.end()}});
   }
   return out;
 }

@@ -166,6 +166,9 @@ TEST(BallMemory, ConfidenceOverTime) {
   rate(0, 0.9999);
   rate(0, 0.9999);
   EXPECT_GT(rate(40, 0.3), 0.5);
+  EXPECT_GT(rate(140, 0.3), 0.5) << "faster";
+  for (int i = 0; i < 5; ++i) rate(140, 0.9);
+  EXPECT_LT(rate(240, 0.3), 0.5) << "something else, near a ball that is hidden";
   for (int i = 0; i < 20; ++i) rate(40, 0.01);
   EXPECT_NEAR(rate(80, 0.6), 0.6, 1e-9);
   now_s += 1;
