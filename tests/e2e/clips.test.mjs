@@ -194,10 +194,12 @@ describe('clips', () => {
       assert.ok(readClip(pathOf(goal)).events.some(({ kind, text }) => kind === 'goal' && text === goal.why));
       assert.match((await isThere('command')).why, /^(Stop|Force start)$/);
       await service.patch({ op: 'replace', path: '/recording/clips/on_command', value: false });
-      // A clip that is kept without a name gets that of the last event.
-      await begins({ seconds: 3 });
+      // A clip that is kept without a name gets that of the last event in it, if there is one.
       const isKept = ({ why, begin_s }) => why.startsWith('kept by hand after: ') && begin_s !== null;
-      const kept = (await becomes(clips, ({ clips: all }) => all.some(isKept))).clips.find(isKept);
+      const kept = (await becomes(async () => {
+        await begins({ seconds: 3 });
+        return becomes(clips, ({ clip, clips: all }) => clip.state === 'idle' && all.every(({ begin_s }) => begin_s !== null));
+      }, ({ clips: all }) => all.some(isKept))).clips.find(isKept);
       assert.doesNotMatch(kept.name, /by_hand/);
     } finally {
       clearInterval(talking);
