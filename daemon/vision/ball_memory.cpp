@@ -163,6 +163,7 @@ BallMemory::Known BallMemory::see(double x_mm, double y_mm, double outside_mm, c
     if (known->seen_s < now_s_) {
       ++known->pictures;
       known->out_of_round += (out_of_round - known->out_of_round) / known->pictures;
+      known->velocity_mm_s = {};
     }
     known->seen_s = now_s_;
     known->is_sure = known->is_sure || is_sure;
@@ -200,9 +201,12 @@ BallMemory::Known BallMemory::see(double x_mm, double y_mm, double outside_mm, c
     now.from_y_mm = before->from_y_mm;
     now.has_moved = before->has_moved || std::hypot(x_mm - now.from_x_mm, y_mm - now.from_y_mm) > kMovedMm;
     now.is_ball = now.is_ball || before->is_ball || now.has_moved;
-    // Something else may have disappeared within a ball's reach.
-    const bool is_same = before->pictures <= kPassing || distance_mm(*before) < kTrackReachMm;
-    if (is_same && before->is_rated && before->logit > 0) {
+    const double dt = now_s_ - before->seen_s, dx = x_mm - before->x_mm, dy = y_mm - before->y_mm;
+    now.velocity_mm_s = {dx / dt, dy / dt};
+    // Within its reach, a ball may have disappeared, and something else appeared.
+    const auto& [vx, vy] = before->velocity_mm_s;
+    const bool is_on_its_way = std::hypot(dx - vx * dt, dy - vy * dt) < kTrackReachMm;
+    if (is_on_its_way && before->is_rated && before->logit > 0) {
       now.is_rated = true;
       now.rated_s = before->rated_s;
       now.logit = before->logit;
@@ -217,11 +221,14 @@ double BallMemory::over_time(std::size_t number, double confidence) noexcept {
   Entry& entry = entries_[number];
   const double logit = std::clamp(std::log(confidence / (1 - confidence)), -30.0, 30.0);
   const bool is_new = !entry.is_rated || !(now_s_ - entry.rated_s < kTrackS);
-  entry.logit =
-      is_new ? logit : (1 - kNewest) * std::clamp(entry.logit, kLeastLogit, kMostLogit) + kNewest * logit;
+  const double before = std::clamp(entry.logit, kLeastLogit, kMostLogit);
+  const double mean = is_new ? logit : (1 - kNewest) * before + kNewest * logit;
+  entry.logit = mean;
   entry.is_rated = true;
   entry.rated_s = now_s_;
-  return 1 / (1 + std::exp(-entry.logit));
+  const double way_mm = std::hypot(entry.x_mm - entry.from_x_mm, entry.y_mm - entry.from_y_mm);
+  const bool may_be_fixed = entry.was_there && way_mm < kTrackReachMm;
+  return 1 / (1 + std::exp(-(may_be_fixed ? std::min(mean, logit) : mean)));
 }
 
 }  // namespace sslv

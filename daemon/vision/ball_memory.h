@@ -32,7 +32,8 @@ class BallMemory {
             bool is_sure) noexcept;
 
   /// An object's confidence from this image and those before, in which it was at the same place, or from
-  /// which it has moved on as a ball. Call once in each image.
+  /// which it has moved on as a ball. For an object that was there when the memory began and has not moved
+  /// since, earlier images can only lower it. Call once in each image.
   double over_time(std::size_t number, double confidence) noexcept;
 
   BallMemory() {
@@ -50,6 +51,7 @@ class BallMemory {
     double x_mm, y_mm;            // position where it was first seen
     double from_x_mm, from_y_mm;  // start of the track that led there
     double first_s, seen_s;
+    std::array<double, 2> velocity_mm_s;  // from the position before; 0 without one
     int pictures;
     bool is_ball;    // was on the field, or has moved
     bool has_moved;  // has moved far along its track
