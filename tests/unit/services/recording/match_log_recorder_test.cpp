@@ -136,7 +136,7 @@ TEST_F(MatchLogRecorderTest, CountsTracksThatDoNotFitIntoMemory) {
   recorder_.begin(file_);
   recorder_.end();
   EXPECT_EQ(recorder_.status().tracked, 0U) << "they are of no log";
-  recorder_.begin(file_);
+  recorder_.begin(folder_.path() / "b.log.gz");
   // Later than any time that the log takes yet.
   for (int i = 0; i < 1000; ++i) tracks_.write(unix_time_ns() + 500'000'000, {});
   ASSERT_TRUE(test::becomes([&] { return recorder_.status().tracked + recorder_.status().lost == 1000; }));
