@@ -165,12 +165,11 @@ describe('clips', () => {
   it('may be a camera', async () => {
     await reaches(1);
     const made = await clipWith({ seconds: 1 }, 'camera');
-    const before = (await ask('GET', `/clips/${made.name}/frames/0`)).json;
     writeFileSync(join(service.folder, 'shown.clip'), '');
     const show = execFileSync('cp', [pathOf(made), join(service.folder, 'shown.clip')]);
     assert.equal(show.length, 0);
     await service.patch({ op: 'replace', path: '/cameras/0/source', value: { backend: 'files', path: join(service.folder, 'shown.clip'), camera_id: 0, loop: true } });
-    await service.statusBecomes(({ cameras: [one] }) => one.state === 'running' && one.backend === 'files' && one.robots === before.robots.length);
+    await service.statusBecomes(({ cameras: [one] }) => one.state === 'running' && one.backend === 'files' && one.robots > 0 && one.frames > 0);
   });
 
   it('are made at a goal and at a command when the settings say so', async () => {
