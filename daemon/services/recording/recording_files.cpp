@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMaxName = 200;
 constexpr int kMaxOfOneName = 1000;
 /// Part of the quota and of the free disk space that clips leave to match logs.
-constexpr int kReserve_mb = 200;
+constexpr int kReserve_mb = 400;
 /// Part of the quota and of the free disk space that is reserved for messages of our own senders: slightly
 /// more than strangers send between two checks (see MatchLogRecorder).
 constexpr int kStrangersReserve_mb = 50;
