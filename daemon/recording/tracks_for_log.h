@@ -17,6 +17,8 @@ class TracksForLog {
  public:
   /// In a log, tracks that are not sent are at least this far apart.
   static constexpr std::int64_t kPeriod_ns = 1'000'000'000 / 30;
+  /// Times that differ by more are from before and after the clock was set.
+  static constexpr std::int64_t kClockWasSet_ns = 1'000'000'000;
   struct Packet {
     std::int64_t time_ns = 0;  // Unix time
     std::vector<std::byte> bytes;
@@ -50,7 +52,6 @@ class TracksForLog {
   /// Calls `use` for each packet up to `until_ns`; packets from before the clock was set back are among them.
   template <class Use>
   void read(std::int64_t until_ns, const Use& use) {
-    constexpr std::int64_t kClockWasSet_ns = 1'000'000'000;
     while (const Packet* packet = queue_.to_read()) {
       if (packet->time_ns > until_ns && packet->time_ns < until_ns + kClockWasSet_ns) return;
       use(*packet);

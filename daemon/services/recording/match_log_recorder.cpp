@@ -134,8 +134,7 @@ bool MatchLogRecorder::write(const Waiting& some, std::int64_t until_ns) {
     const auto add_tracks = [&](std::int64_t time_ns) {
       tracks_.read(time_ns, [&](const TracksForLog::Packet& packet) {
         // The field's thread may have been interrupted between taking the time and handing over the packet.
-        constexpr std::int64_t kClockWasSet_ns = 1'000'000'000;
-        const bool is_late = written_until_ns_ - packet.time_ns < kClockWasSet_ns;
+        const bool is_late = written_until_ns_ - packet.time_ns < TracksForLog::kClockWasSet_ns;
         add(is_late ? std::max(packet.time_ns, written_until_ns_) : packet.time_ns,
             LoggedMessage::kTracker2020, packet.bytes);
         ++tracked;

@@ -71,7 +71,11 @@ class MatchMomentTest : public testing::Test {
         robot->mutable_pos()->set_x(1.5);
         robot->mutable_pos()->set_y(0);
         robot->set_orientation(1);
-        add(at_s + 0.01, LoggedMessage::kTracker2020, packet.SerializeAsString());
+        const std::string tracked = packet.SerializeAsString();
+        packet.set_uuid("another tracker, which sends first");
+        robot->mutable_pos()->set_x(2.5);
+        add(at_s + 0.005, LoggedMessage::kTracker2020, packet.SerializeAsString());
+        add(at_s + 0.01, LoggedMessage::kTracker2020, tracked);
       }
       if (i % 10 == 0) {
         Referee referee;
