@@ -15,6 +15,8 @@ set(SSLV_BATCH_SIZE 24 CACHE STRING "Files that are compiled together; 1: each a
 function(sslv_batches target)
   if(SSLV_BATCH_SIZE GREATER 1)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${SSLV_BATCH_SIZE})
+    # <httplib.h> includes <resolv.h>, whose macro _res is the name of a parameter in Eigen.
+    set_target_properties(${target} PROPERTIES UNITY_BUILD_CODE_BEFORE_INCLUDE "#undef _res")
     if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
       # GCC treats the files of a batch as headers.
       target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
