@@ -228,21 +228,28 @@ class Calibrator {
   }
 
   /// Leaves out each click in turn, because one wrong click spoils the initial guess. Returns the best
-  /// acceptable fit.
+  /// acceptable fit: with the clicks' names, or else in any order, because names may be swapped as well.
   std::optional<Solution> solve_without_one() {
     CameraPrior prior = prior_;
     prior.focal_share = std::min(prior.focal_share, 0.12);
     std::optional<Solution> best;
-    for (std::size_t left_out = 0; left_out < clicks_.pixels.size(); ++left_out) {
-      if (stop_.stop_requested()) return std::nullopt;
-      Clicks others = clicks_;
-      const auto at = static_cast<std::ptrdiff_t>(left_out);
-      others.pixels.erase(others.pixels.begin() + at);
-      if (others.names_known) others.places.erase(others.places.begin() + at);
-      auto found = solve(others, prior, others.names_known);
-      if (!found || !verdict(found->refined).is_acceptable()) continue;
-      if (best && best->refined.score() >= found->refined.score()) continue;
-      best = std::move(found);
+    for (const bool by_names : {true, false}) {
+      if (by_names && !clicks_.names_known) continue;
+      for (std::size_t left_out = 0; left_out < clicks_.pixels.size(); ++left_out) {
+        if (stop_.stop_requested()) return std::nullopt;
+        Clicks others = clicks_;
+        const auto at = static_cast<std::ptrdiff_t>(left_out);
+        others.pixels.erase(others.pixels.begin() + at);
+        if (others.names_known) {
+          std::rotate(others.places.begin() + at, others.places.begin() + at + 1, others.places.end());
+          if (by_names) others.places.pop_back();
+        }
+        auto found = solve(others, prior, by_names);
+        if (!found || !verdict(found->refined).is_acceptable()) continue;
+        if (best && best->refined.score() >= found->refined.score()) continue;
+        best = std::move(found);
+      }
+      if (best) break;
     }
     return best;
   }

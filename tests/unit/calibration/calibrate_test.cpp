@@ -255,15 +255,23 @@ TEST(Calibrate, SaysWhenBothEndsLookAlike) {
   EXPECT_LT((*place + *truth).norm(), 1);
 }
 
+/// `wrong`: 0 is a point on the halfway line, 3 a corner. `names_swapped`: of two of the correct clicks.
+void expect_wrong_click_named(std::size_t wrong, bool names_swapped) {
+  SCOPED_TRACE(testing::Message() << wrong << (names_swapped ? ", names swapped" : ""));
+  CalibrationTask task = clicked(half(), kHalfCorners);
+  task.clicks[wrong].pixel += Eigen::Vector2d(37, -48);
+  if (names_swapped) std::swap(task.clicks[1].name, task.clicks[2].name);
+  const CalibrationReport report = calibrate(half().picture, task);
+  EXPECT_LT(half().floor_error_mm(report), 0.15);
+  ASSERT_EQ(report.click_figures.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(report.click_figures[i].suspect, i == wrong) << i;
+  EXPECT_THAT(report.problems, Contains(HasSubstr("Point " + std::to_string(wrong + 1))));
+}
+
 TEST(Calibrate, AWrongClickIsNamedAndDoesNoHarm) {
-  for (const std::size_t wrong : {0U, 3U}) {  // a point on the halfway line, and a corner
-    CalibrationTask task = clicked(half(), kHalfCorners);
-    task.clicks[wrong].pixel += Eigen::Vector2d(37, -48);
-    const CalibrationReport report = calibrate(half().picture, task);
-    EXPECT_LT(half().floor_error_mm(report), 0.15) << wrong;
-    ASSERT_EQ(report.click_figures.size(), 4U);
-    for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(report.click_figures[i].suspect, i == wrong) << i << wrong;
-    EXPECT_THAT(report.problems, Contains(HasSubstr("Point " + std::to_string(wrong + 1))));
+  for (const std::size_t wrong : {0U, 3U}) {
+    expect_wrong_click_named(wrong, false);
+    expect_wrong_click_named(wrong, true);
   }
 }
 
