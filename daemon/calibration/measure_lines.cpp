@@ -159,7 +159,7 @@ std::optional<MeasuredLine> measure_line(const LinePicture& picture, const Expec
   }
   if (pixels.size() < kMinPixels) return std::nullopt;
 
-  // Parameters: ground, its slopes across and along, contrast, offset of the stripe.
+  // Parameters: background, its gradients across and along, contrast, offset of the stripe.
   using Vector5 = Eigen::Matrix<double, 5, 1>;
   Vector5 model = Vector5::Zero();
   Eigen::Matrix<double, 5, 5> normal;

@@ -30,7 +30,7 @@ struct ControlPlan {
 };
 
 /// Serialises all access to a camera's controls, and remembers what was read. Only this class sets an open
-/// camera's controls. A control's home value is its saved setting, or else the value at the camera's opening.
+/// camera's controls. A control's home value is its saved setting, or else its value at opening.
 /// Thread-safe.
 class ControlQueue {
  public:

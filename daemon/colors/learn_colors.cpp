@@ -371,8 +371,8 @@ class Learner {
       for (const Color3& one : all) mean += one / static_cast<double>(all.size());
       double square = 0;
       for (const Color3& one : all) square += (one - mean).squaredNorm() / static_cast<double>(all.size());
-      // The images may show no robots of other makers. An unseen label may also differ from the usual print
-      // by the same amount.
+      // Allows for other makers' prints, which the images need not show. An unseen label may also differ from
+      // the usual print by the same amount.
       const double other_makers = label == label::kOrange ? 0.15 : 0.09;  // balls have highlights and shade
       const bool is_seen =
           std::find(sightings_.unseen.begin(), sightings_.unseen.end(), label) == sightings_.unseen.end();

@@ -13,7 +13,7 @@ class LightAreas {
   static constexpr int kColumns = 8, kRows = 6;
   static constexpr std::size_t kCount = std::size_t{kColumns} * kRows;
 
-  /// Adds a measurement of an area's brightness, made on a robot.
+  /// Adds an area's brightness, as measured on a robot.
   void learn(std::size_t area, double here_log);
 
   /// Brightness of an area. An area with few measurements is blended with the mean around it. Areas far from

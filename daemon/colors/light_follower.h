@@ -119,7 +119,7 @@ class LightFollower {
   /// table fits the light at that moment.
   void switch_off();
 
-  /// Makes a new table if the light has changed since the last table; otherwise returns null. Takes some tens
+  /// Makes a new table if the light has changed since the last table; otherwise returns null. Takes tens
   /// of milliseconds.
   std::shared_ptr<const Lut> new_table();
   const std::shared_ptr<const Lut>& table() const { return tables_.in_use; }

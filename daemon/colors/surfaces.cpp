@@ -217,7 +217,7 @@ Taken taken_by(const SurfaceColors& surfaces, SurfaceKind kind, const ClearRange
   // Rarer colours belong to edges or small objects.
   const auto least =
       std::max<std::uint32_t>(2, static_cast<std::uint32_t>(5e-5 * static_cast<double>(total)));
-  // Shiny places need not stay clear over the whole range of light, because they are too few for a flood.
+  // Highlights need not stay clear over the whole range of light, because they are too few for a flood.
   constexpr double kShine = kFloodShare / 2, kShineMore = 1.06;
   // Over-exposed carpet looks like dots: if a channel is clipped, the cleared range is only slightly larger
   // than the wanted margin. The additional 0.1 keeps noise in later images from reducing the margin.

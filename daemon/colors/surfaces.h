@@ -87,7 +87,7 @@ class SurfaceColors {
 };
 
 /// Uses places where a colour continues to the left and right, or up and down, further than any dot or ball
-/// extends. Takes some tens of milliseconds per frame.
+/// extends. Takes tens of milliseconds per frame.
 SurfaceColors find_surfaces(const SurfaceSearch& search);
 
 /// Range of light, relative to the light in the frames, in which surfaces must stay clear.
@@ -113,7 +113,7 @@ bool is_surface_label(Label label);
 using SurfaceReach = std::function<bool(Yuv)>;
 SurfaceReach reach_of(const SurfaceColors& surfaces, SurfaceKind kind, const ClearRange& range);
 
-/// Change of the light at which a surface gets a label.
+/// Change of light that gives a surface a label.
 struct LabelMargin {
   Label label;
   SurfaceKind surface;
@@ -129,7 +129,7 @@ inline constexpr double kFloodShare = 0.004;
 std::vector<LabelMargin> table_margins(const Lut& lut, const SurfaceColors& surfaces,
                                        const std::stop_token& stop = {});
 
-/// Whether the margins differ no more than they do between frames because of noise and flicker.
+/// Whether the margins differ by no more than noise and flicker between frames.
 bool about_same(std::span<const LabelMargin> a, std::span<const LabelMargin> b);
 
 /// Lamps flicker and age by this much: smaller margins lead to floods during a match.

@@ -13,7 +13,7 @@ namespace sslv {
 namespace {
 
 constexpr int kSide = 1 << Lut::kBits, kCellLevels = 256 >> Lut::kBits;
-/// From this level on, a channel may be clipped, considering noise.
+/// With noise, a clipped channel may read this low.
 constexpr float kClipped = 248;
 /// No camera delivers colours further outside the RGB cube than this.
 constexpr float kFarOut = 24;

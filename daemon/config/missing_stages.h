@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Stages that settings name but whose library is missing.
+// Stages named in the settings whose library is missing.
 
 #include "config/config.h"
 

@@ -29,7 +29,7 @@ struct StageFolders {
 };
 
 /// Adds the stages of all libraries in these folders. Logs the libraries that are left out. `missing`: how to
-/// treat missing stages that settings name; ignored if there are no folders.
+/// treat missing stages that are named in the settings; ignored if there are no folders.
 void add_stage_libraries(const StageFolders& folders, MissingStages missing);
 std::span<const LeftOutLibrary> left_out_libraries();
 

@@ -29,7 +29,7 @@ class Timeline {
     std::uint64_t frames = 0, dropped = 0, incomplete = 0, capped = 0;  // counts since the camera's start
   };
 
-  /// Totals over some seconds.
+  /// Totals over a few seconds.
   struct Sum {
     unsigned seconds = 0;  // number of seconds in which the camera ran
     std::uint64_t frames = 0, dropped = 0, incomplete = 0, capped = 0;

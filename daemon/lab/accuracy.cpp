@@ -144,7 +144,7 @@ std::shared_ptr<const Lut> table_of(const Trial& trial, const CameraContext& con
   return learnt.lut ? std::move(learnt.lut) : std::make_shared<const Lut>();
 }
 
-/// Runs a trial that has one hall, and adds to the result.
+/// Runs a trial with one hall, and adds its counts to the result.
 void run_hall(const Trial& trial, const AccuracyCondition& condition, int frames, TrialResult& result,
               Reliability& reliability) {
   const CameraSettings& settings = trial.config.cameras.front();

@@ -91,7 +91,7 @@ std::vector<Pair> match(const std::vector<Thing>& detections, const std::vector<
   return pairs;
 }
 
-/// Counts one frame's things of a kind and returns the pairs whose errors count.
+/// Counts one frame's robots, or its balls, and returns the pairs whose errors are scored.
 std::vector<Pair> count(const std::vector<Thing>& detections, const std::vector<Thing>& truth,
                         double min_visible_share, FoundCounts& counts) {
   const auto is_expected = [&](const Thing& t) { return t.visible_share >= min_visible_share; };

@@ -42,7 +42,7 @@ Json draft_of_truth(const std::string& name, const Frame& frame);
 
 /// Corrects such a line. Added places are projected to the field with the camera model, robots at their
 /// team's height, balls at their radius. Marks keep their numbers; added marks get the next numbers. Throws
-/// SettingsError, naming the image, for an unknown mark, for a place outside the image or that cannot be
+/// SettingsError, naming the image, for an unknown mark, for a place that is outside the image or cannot be
 /// located, and for a robot that is there twice; the line is then unchanged.
 void correct(Json& line, const Corrections& corrections, const Scene& scene);
 

@@ -89,7 +89,7 @@ class Copies {
     double heard_s = -1e9;
     address_v4 to{};
   };
-  // More entries than a socket's buffer has datagrams, because the sockets are read in turn.
+  // Exceeds the number of datagrams in a socket's buffer: the sockets are read in turn.
   std::array<Seen, 512> seen_{};
   std::size_t next_ = 0;
 };

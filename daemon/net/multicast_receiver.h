@@ -18,7 +18,7 @@
 
 namespace sslv {
 
-/// The address to listen at. Broadcasts to the port are received as well, on the same network card.
+/// The address to listen on. Broadcasts to the port are received as well, on the same network card.
 struct GroupAddress {
   std::string group;  // IPv4 multicast address, or a broadcast address
   int port = 0;

@@ -36,7 +36,7 @@ struct SizeConflict {
 std::vector<SizeConflict> size_conflicts(const SSL_GeometryFieldSize& ours,
                                          const SSL_GeometryFieldSize& theirs);
 
-/// The other programs that send to the vision group. Forgets a sender that is silent for some seconds.
+/// The other programs that send to the vision group. Forgets a sender that is silent for a few seconds.
 /// Thread-safe; receives in its own thread.
 class OtherVisions {
  public:
@@ -54,7 +54,7 @@ class OtherVisions {
       IsOwn is_own, OnOwn on_own = [](std::span<const std::byte>, double) {},
       OnOther on_other = [](const VisionMessage&, const std::string&, bool, double) {});
 
-  /// IPv4 addresses of the computers that the settings name.
+  /// IPv4 addresses of the computers named in the settings.
   void set_named(std::set<std::string> addresses);
 
   /// Listens at `where` from now on; does nothing if it already listens there. Must not be called from two

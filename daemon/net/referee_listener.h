@@ -79,7 +79,7 @@ struct RefereeStatus {
 
 /// Receives the team names and the state of the game from the game controller. Keeps the last state when the
 /// game controller falls silent, because the match continues. If several game controllers send, follows the
-/// first one until it has been silent for some seconds. Thread-safe; receives in its own thread.
+/// first one until it has been silent for a few seconds. Thread-safe; receives in its own thread.
 class RefereeListener {
  public:
   static constexpr double kForgottenAfter_s = 5;

@@ -32,7 +32,7 @@ constexpr int kMaxMessages = 100'000;
 /// Limits, since a log is untrusted: no field has more cameras, or more robots or balls.
 constexpr std::size_t kMaxCameras = 64;
 constexpr int kMaxThings = 256;
-/// Limits of places within members: their number, and the unpacked bytes between them.
+/// Seek points within gzip members: their largest number, and the fewest unpacked bytes between them.
 constexpr std::uint64_t kMaxPlaces = 1024, kLeastBetweenPlaces = std::uint64_t{4} << 20U;
 
 double seconds_of(std::int64_t ns) {

@@ -194,7 +194,7 @@ const WatchedKick* KickWatch::add(const Observations& seen, const TrackedField& 
     const Vector3d then = ball.place_mm + ball.velocity_mm_s * passed_s;
     if ((seen_from(one.camera_mm, then, kRadiusMm) - one.place_mm).norm() > kOwnMm) continue;
     seen_s_ = tracked.t_s;
-    constexpr double kAfterTheKick_s = 0.01;  // a kick lasts some milliseconds
+    constexpr double kAfterTheKick_s = 0.01;  // a kick lasts a few milliseconds
     // Limits the number of points, however many cameras see the ball.
     constexpr double kApart_s = kLongestKick_s / WatchedKick::kMaxPoints;
     if (one.t_s < now_.kick.t_s + kAfterTheKick_s || one.t_s < noted_s_ + kApart_s) continue;

@@ -58,7 +58,7 @@ class KickWatch {
 /// separately, with the ball model among the parameters; estimates far from the majority are ignored.
 class BallModelLearner {
  public:
-  /// `model`: start of the fit and centre of its priors. Takes some milliseconds.
+  /// `model`: start of the fit and centre of its priors. Takes a few milliseconds.
   void learn(const WatchedKick& watched, const BallModel& model);
 
   const LearntBallModel& learnt() const { return learnt_; }

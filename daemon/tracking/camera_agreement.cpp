@@ -235,7 +235,7 @@ bool CameraAgreement::compare(const Pair& pair, const Track& track) {
 }
 
 /// Zeroes the gain of the states of our cameras and of the robots' heights, so that these states never
-/// correlate with the states of other computers' cameras, either.
+/// correlate with those of other computers' cameras.
 void CameraAgreement::keep_own() {
   for (const auto& [id, camera] : cameras_) {
     if (!camera.is_of_other_computer) gain_.segment(camera.at, kPerCamera).setZero();

@@ -120,7 +120,7 @@ const RobotTrack* RobotTracks::seen_by_own(const RobotName& name, double t_s) co
   return is_seen ? &own : nullptr;
 }
 
-/// An own track starts only from a measurement that the common track accepts, so that the first of two robots
+/// Own tracks start only from measurements that the common track accepts, so that the first of two robots
 /// with the same id is kept. If our cameras see the robot steadily, it starts anyway: another computer may
 /// have moved the common track while our cameras were held up.
 void RobotTracks::add_own(const RobotObservation& seen, const RobotTrack::Circumstances& now, bool is_taken) {

@@ -117,7 +117,7 @@ struct Color {
   std::uint8_t a, b, c;
 };
 
-/// A table's labels. The bits per channel are known only at run time: an additional shift costs less than a
+/// A table's labels. The bits per channel are a run-time value, because an additional shift costs less than a
 /// second copy of the kernel.
 struct Cells {
   Cells(const LutTable& table, const Background& background)

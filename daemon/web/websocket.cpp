@@ -152,8 +152,8 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     });
   }
 
-  /// Key of a message that waits to be sent. Only one message of each kind and camera or topic waits: a newer
-  /// one replaces an older one, so that a slow viewer skips messages and no queue grows. Messages are also
+  /// Key of a message that waits to be sent. At most one message of a kind waits for each camera or topic: a
+  /// newer one replaces it, so that a slow viewer skips messages and no queue grows. Messages are also
   /// skipped while too much data waits for all viewers together.
   struct Slot {
     enum class Kind { kError, kTopic, kDetections, kPreview } kind;

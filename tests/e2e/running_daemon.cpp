@@ -91,8 +91,8 @@ RunningDaemon::~RunningDaemon() {
 Json RunningDaemon::get(const std::string& path, int expected) const {
   Json answer = checked([&] { return client(address()).Get(path); }, "GET " + path, expected);
   // Ignores alerts that depend on the machine: dropped or late images, and a network card that these tests do
-  // not send on. verdict.test.mjs tests robots that are lost with their camera. Warnings about simulated or
-  // unlike cameras are expected, because these tests combine all kinds.
+  // not send on. verdict.test.mjs tests robots that are lost with their camera. Warnings about simulated
+  // beside real cameras are expected, because these tests combine all kinds.
   if (path == "/api/status") {
     static const std::set<std::string> kElsewhere{
         "ball_lost",         "camera_not_real", "camera_off_time",    "camera_slow", "frames_dropped",

@@ -83,8 +83,8 @@ class DaemonTest : public ::testing::Test {
 };
 
 bool has_alert(const Json& status, const std::string& id);
-/// The first alert of a kind, and its title; without one, both functions throw std::runtime_error with the
-/// other alerts.
+/// The first alert of a kind, and its title; if there is none, both throw std::runtime_error with the other
+/// alerts.
 const Json& alert_of(const Json& status, const std::string& id);
 std::string title_of_alert(const Json& status, const std::string& id);
 

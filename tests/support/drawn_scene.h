@@ -61,7 +61,7 @@ class DrawnScene {
   /// The detectors' scene; a test may change it.
   Scene& scene() { return scene_; }
   void use_lut(std::shared_ptr<const Lut> lut);
-  /// Draws and detects robots with other patterns than the league's. They must outlive the scene.
+  /// Draws and detects robots with patterns other than the league's. They must outlive the scene.
   void use_patterns(const PatternTable& patterns) { patterns_ = &patterns; }
   /// Also accepts regions of one cell.
   void use_single_cells();

@@ -49,7 +49,7 @@ struct FreeBall {
   bool is_rolling = true, is_flying = false;
   int hops = 0;
   double slid_from_mm_s = 0;  // speed at the start of sliding
-  // A kick takes some milliseconds.
+  // A kick takes a few milliseconds.
   double ramp_s = 0;
   Vector3d ramp_to{0, 0, 0};
 };

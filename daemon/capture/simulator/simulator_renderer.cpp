@@ -55,7 +55,7 @@ std::uint16_t channel_value(float steps) {
 
 }  // namespace
 
-/// A thing's pose for the pixels of one box: its centre, and the rotation into its own frame.
+/// An object's pose while one box is rendered: centre, and rotation into the object's frame.
 struct SimulatorRenderer::Shape {
   Eigen::Vector2d center_mm;
   float cos = 1, sin = 0;

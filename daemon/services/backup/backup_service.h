@@ -32,7 +32,7 @@ class BackupService final : public Service {
   Response check(const Request& request);
   Response restore(const Request& request);
 
-  /// `is_whole`: throws StorageError if a table that the settings name is missing.
+  /// `is_whole`: throws StorageError if a table named in the settings is missing.
   Backup make(bool with_passwords, bool is_whole) const;
   /// Validates everything that does not need the settings' transaction. Throws SettingsError.
   Read read(const Request& request);

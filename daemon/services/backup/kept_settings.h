@@ -20,7 +20,7 @@ std::string to_text(const KeptSettings& settings);
 /// Throws SettingsError with a message that begins with the file's name.
 KeptSettings read_kept_settings(const std::string& text);
 
-/// Throws StorageError if `files` lack a table that the settings name: without it, the settings could not be
+/// Throws StorageError if `files` lack a table named in the settings: without it, the settings could not be
 /// restored.
 void check_has_tables(const Config& config, const BackupFiles& files);
 

@@ -30,7 +30,7 @@ struct NewSetup {
 /// Plans the setup of the camera at index `i` of the list; `previous`: its current setup, if it is running.
 /// Returns nothing if the processing of its frames does not change. Keeps the previous pipeline, with its
 /// stages' state, if the stack is unchanged, and the colour tables if the colours are unchanged. Reads the
-/// files that the settings name, but changes nothing. Throws SettingsError.
+/// files named in the settings, but changes nothing. Throws SettingsError.
 std::optional<NewSetup> plan_setup(const Config& config, std::size_t i,
                                    const std::optional<CameraInUse>& previous, const LoadTable& load_table);
 

@@ -33,7 +33,7 @@ struct NetworkFacts {
   MulticastStatus multicast;
   std::shared_ptr<const Geometry> geometry;  // geometry that is sent
   std::vector<OtherVision> other_visions;
-  bool another_host_sends = false;  // one of other_visions is on another computer that the settings name
+  bool another_host_sends = false;  // one of other_visions is on another computer named in the settings
   CardsUsed cards{};
   std::string listening_error;        // why the vision group cannot be received; empty: it can
   std::uint64_t refused_packets = 0;  // invalid packets received in the vision group

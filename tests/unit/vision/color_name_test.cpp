@@ -22,7 +22,7 @@ constexpr Color kTop{24, 24, 27};
 
 class ColorNames : public ::testing::Test {
  protected:
-  /// Names a print's colour in some light, on a robot's black top.
+  /// Names a print's colour in the given light, on a robot's black top.
   ColorName name(Rgb print, double light, std::span<const Label> allowed) {
     const Color color{print.r * light, print.g * light, print.b * light};
     return name_color({color[0] - kTop[0] * light, color[1] - kTop[1] * light, color[2] - kTop[2] * light},

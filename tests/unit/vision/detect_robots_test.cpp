@@ -844,7 +844,7 @@ TEST(DetectRobots, APictureOfAnotherSizeThanTheCalibrationsIsSurvived) {
     small.add_robot(Team::kBlue, 9, 1300, 1000, 1.0);
     small.add_robot(Team::kYellow, 2, 2000, 30, 1.0);
     EXPECT_LE(small.robots().robots.size(), 2U);
-    // Regions and memory of a larger image.
+    // Regions and memory left by a larger image.
     DrawnScene large(plain_options(format));
     std::mt19937 random(11);
     add_all_robots(large, random);

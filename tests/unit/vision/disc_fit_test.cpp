@@ -45,7 +45,7 @@ struct Disc {
   double u, v, radius_px;
 };
 
-/// An image of uniform discs on a uniform ground, as from a camera without vignetting, with independent noise
+/// An image of uniform discs on a uniform background, as if without vignetting, with independent noise
 /// in each sample. The buffer has no slack after the last byte.
 class DiscPicture {
  public:

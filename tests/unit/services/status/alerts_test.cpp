@@ -650,7 +650,7 @@ TEST_F(Checks, BeforeAMatchAsManyRobotsAsMayPlayAreExpected) {
   EXPECT_THAT(kinds(), IsEmpty()) << "this team plays with two";
   input_.robots_allowed = {2, 2};
   EXPECT_EQ(only_alert().id, "robots_many");
-  input_.match_runs = true;  // robots leave within some seconds after a card
+  input_.match_runs = true;  // robots leave within seconds of a card
   EXPECT_THAT(kinds(), IsEmpty());
 }
 
