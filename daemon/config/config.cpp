@@ -240,7 +240,7 @@ CameraContext make_context(const Config& config, std::size_t i, std::shared_ptr<
     throw SettingsError(
         fmt::format("{}/table: \"{}\" is stored with the settings of the service that saved it; move "
                     "settings with their tables to another computer with ssl-visionctl backup and restore, "
-                    "or export the table there and name the file in lut_file",
+                    "or export the table there and name the file in lut_file or with --lut",
                     colors_path, camera.colors.table));
   }
   if (!lut && !camera.colors.table.empty())
