@@ -374,11 +374,12 @@ std::size_t PatternFitter::find_headings(const Frame& frame, double x_mm, double
       }
       contrast[i] = std::sqrt(square);
     }
-    // Limited, so that objects brighter than dots do not outvote dim dots.
+    // Limited to the contrast of the dots' inner halves: objects brighter than dots do not outvote dim dots,
+    // and headings at which only the dots' rims match score less.
     std::array<float, kTurns> sorted = contrast;
-    constexpr std::size_t kMax = kTurns * 4 / 5;
-    std::nth_element(sorted.begin(), sorted.begin() + kMax, sorted.end());
-    for (float& one : contrast) one = std::min(one, sorted[kMax]);
+    const auto limit = static_cast<std::size_t>(kTurns * (1 - std::min(1.0, ring.dot_share) / 2));
+    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(limit), sorted.end());
+    for (float& one : contrast) one = std::min(one, sorted[limit]);
 
     /// Contrast at an angle of the pattern, for every heading.
     const auto for_headings = [&](double angle, const auto& use) {

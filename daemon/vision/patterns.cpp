@@ -168,8 +168,9 @@ void collect_rings(PatternTable& table) {
       return std::abs(r.radius_mm - radius_mm) < dot.diameter_mm / 8;
     });
     if (ring == table.rings.end())
-      ring = table.rings.insert(ring, {radius_mm, 0.2 * dot.diameter_mm, {}, {}});
+      ring = table.rings.insert(ring, {radius_mm, 0.2 * dot.diameter_mm, 0, {}, {}});
     ring->dot_angles_rad.push_back(std::atan2(dot.y_mm, dot.x_mm));
+    ring->dot_share += dot.diameter_mm / (2 * std::numbers::pi * ring->radius_mm);
   }
   for (PatternTable::Ring& ring : table.rings) {
     auto& angles = ring.dot_angles_rad;

@@ -44,6 +44,7 @@ struct PatternTable {
   struct Ring {
     double radius_mm;
     double spread_mm;  // distance from a dot's middle that is still inside the dot
+    double dot_share;  // share of the ring that dots cover
     std::vector<double> dot_angles_rad, gap_angles_rad;
   };
   std::vector<Ring> rings;

@@ -133,6 +133,40 @@ TEST(LearnColors, FindsTheScaleWithoutACalibration) {
   expect_finds_others(learnt, plain_options());
 }
 
+TEST(LearnColors, FromPatternsWithACentreDotAwayFromTheCentre) {
+  const PatternTable patterns =
+      parse_patterns(R"({"name": "lab", "center_diameter_mm": 45, "center": [-25, 15],
+      "dot_diameter_mm": 30, "dots": [[45, 20], [10, -50], [-50, -45]],
+      "codes": [{"id": 3, "colors": ["pink", "green", "green"]}, {"id": 5, "colors": ["green", "pink", "pink"]}]})",
+                     "lab.json");
+  const auto draw = [&](DrawnScene& drawn, double turn) {
+    drawn.use_patterns(patterns);
+    for (int i = 0; i < 4; ++i) {
+      drawn.add_robot(i < 2 ? Team::kYellow : Team::kBlue, i % 2 == 0 ? 3 : 5, 300 + 600 * i + 100 * turn,
+                      -900 + 200 * turn, 0.7 * i + turn);
+    }
+  };
+  const SimulatorOptions options = plain_options(PixelFormat::kUyvy, 4);
+  DrawnScene drawn(options), other(options);
+  draw(drawn, 0);
+  draw(other, 1);
+  const LearntColors learnt = learn_colors({{drawn.image().view()}, drawn.scene(), patterns});
+  ASSERT_EQ(learnt.problem, "");
+  EXPECT_EQ(learnt.robots_of(Team::kYellow), 2U);
+  EXPECT_EQ(learnt.robots_of(Team::kBlue), 2U);
+  other.use_lut(learnt.lut);
+  const RobotList found = other.robots();
+  EXPECT_EQ(found.robots.size(), 4U);
+  for (const SimulatedRobot& truth : other.things().robots) {
+    EXPECT_TRUE(std::ranges::any_of(found.robots,
+                                    [&](const Robot& robot) {
+                                      return robot.team == truth.team && robot.id == truth.id &&
+                                             std::hypot(robot.x_mm - truth.x_mm, robot.y_mm - truth.y_mm) < 5;
+                                    }))
+        << "robot " << truth.id;
+  }
+}
+
 TEST(LearnColors, PredictsTheTeamThatIsNotThere) {
   DrawnScene drawn;
   add_teams(drawn, 0, 0, 6);
