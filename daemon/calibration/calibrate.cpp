@@ -246,6 +246,7 @@ class Calibrator {
         }
         auto found = solve(others, prior, by_names);
         if (!found || !verdict(found->refined).is_acceptable()) continue;
+        if (!by_names && others.has_far_one(found->refined.camera)) continue;
         if (best && best->refined.score() >= found->refined.score()) continue;
         best = std::move(found);
       }
