@@ -21,6 +21,7 @@ struct CameraCalibration {
   double tx = 0, ty = 0, tz = 0;
   int pixel_image_width = 0, pixel_image_height = 0;  // size of the image for which the calibration was made
 
+  bool operator==(const CameraCalibration&) const = default;
   static constexpr auto fields() {
     using C = CameraCalibration;
     return std::tuple{

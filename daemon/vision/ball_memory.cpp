@@ -33,14 +33,18 @@ constexpr double kOtherPlaceMm = 100;
 /// in three of four cases.)
 constexpr std::size_t kEnoughMoved = 4;
 constexpr double kOtherHue = 0.03, kOtherHueSpreads = 4;
-/// An object that has been in one place for kStood_s is less round than the balls if its
-/// BallEvidence::out_of_round, averaged over that time, exceeds the median of balls that moved at
+/// An object that has been in one place for kStood_s and was seen there kStoodImages times is less round than
+/// the balls if its average BallEvidence::out_of_round exceeds the median of balls that moved at
 /// kEnoughRound places by both kLessRound and kLessRoundSpreads times their spread. (In the same halls, this
 /// holds for tape in 30 of 41 places where it resembles a ball, and for 1.8 % of single images of balls.)
 constexpr double kStood_s = 30, kLessRound = 0.6, kLessRoundSpreads = 4;
 constexpr std::size_t kEnoughRound = 10;
+constexpr int kStoodImages = 10;
+/// Number of images over which colour and outline are averaged. Not unlimited, because a ball may come to
+/// rest where tape was.
+constexpr int kAveraged = 300;
 constexpr double kClipped = 250;
-/// An object first seen within this time after the start was there from the beginning.
+/// An object first seen within this time after the first object was there from the beginning.
 constexpr double kBeginningS = 10;
 /// Limit of the number of images in which an object was seen: more than ten days at 1000 Hz.
 constexpr int kMaxCount = 1'000'000'000;
@@ -50,10 +54,12 @@ constexpr int kMaxCount = 1'000'000'000;
 /// kMostLogit, so that one that is gone is not reported for long.
 constexpr double kNewest = 0.3, kLeastLogit = -1, kMostLogit = 6;
 
+/// Whether colour and outline are possible. Values read from a recording may be any.
 template <class Object>
-bool is_finite(const Object& object) {
-  return std::isfinite(object.out_of_round) && std::isfinite(object.chromaticity[0]) &&
-         std::isfinite(object.chromaticity[1]) && std::isfinite(object.chromaticity[2]);
+bool is_possible(const Object& object) {
+  constexpr double kMaxOutOfRound = 1e6;
+  return std::abs(object.out_of_round) <= kMaxOutOfRound &&
+         std::ranges::all_of(object.chromaticity, [](double share) { return share >= 0 && share <= 1; });
 }
 
 double median_of(std::array<double, 32>& values, std::size_t count) {
@@ -65,24 +71,31 @@ double median_of(std::array<double, 32>& values, std::size_t count) {
 }  // namespace
 
 void BallMemory::begin(double now_s) noexcept {
-  if (now_s < now_s_ || begun_s_ == 0) {
+  if (now_s < now_s_) {
     entries_.clear();
     moved_.clear();
     moved_count_ = 0;
-    begun_s_ = now_s;
   }
   // An object that was seen in only a few images and is missing in the last image has moved on.
   for (Entry& entry : entries_) {
     if (entry.seen_s < now_s_ && entry.pictures <= kPassing) count_moved(entry);
   }
+  const bool knows_nothing = entries_.empty() && moved_.empty();
+  if (begun_s_ == 0 || knows_nothing || now_s - now_s_ > kForgetS) begun_s_ = now_s;
+  before_s_ = now_s_;
   now_s_ = now_s;
-  std::erase_if(moved_, [](const Moved& moved) { return !is_finite(moved); });
+  std::erase_if(moved_, [](const Moved& moved) { return !is_possible(moved); });
   std::erase_if(entries_, [&](const Entry& entry) {
-    // Numbers read from a recording may have any value; a huge count would overflow when it is incremented.
-    const bool is_possible = entry.pictures >= 0 && entry.pictures < kMaxCount && entry.colors >= 0 &&
-                             entry.colors < kMaxCount && is_finite(entry);
-    return now_s - entry.seen_s > (entry.was_unlike ? kForgetUnlikeS : kForgetS) || !is_possible;
+    // A huge count would overflow when it is incremented.
+    const auto is_count = [](int count) { return count >= 0 && count < kMaxCount; };
+    return now_s - entry.seen_s > (entry.was_unlike ? kForgetUnlikeS : kForgetS) || !is_possible(entry) ||
+           !is_count(entry.pictures) || !is_count(entry.colors) || !is_count(entry.outlines);
   });
+}
+
+void BallMemory::forget_places() noexcept {
+  entries_.clear();
+  begun_s_ = 0;
 }
 
 void BallMemory::count_moved(Entry& entry) noexcept {
@@ -110,7 +123,8 @@ bool BallMemory::is_unlike_balls(Entry& entry) const noexcept {
 
 bool BallMemory::is_less_round(const Entry& entry) const noexcept {
   const std::size_t count = std::min(moved_.size(), kMaxMoved);
-  if (count < kEnoughRound || now_s_ - entry.first_s < kStood_s) return false;
+  if (count < kEnoughRound || now_s_ - entry.first_s < kStood_s || entry.outlines < kStoodImages)
+    return false;
   std::array<double, kMaxMoved> values;
   for (std::size_t i = 0; i < count; ++i) values[i] = moved_[i].out_of_round;
   const double ball = median_of(values, count);
@@ -141,93 +155,125 @@ bool BallMemory::has_other_hue(const Entry& entry) const noexcept {
   return off(entry.chromaticity) > std::max(kOtherHue, kOtherHueSpreads * median_of(values, count));
 }
 
-BallMemory::Known BallMemory::see(double x_mm, double y_mm, double outside_mm, const Color& color,
-                                  double out_of_round, bool is_sure) noexcept {
-  if (!std::isfinite(out_of_round)) out_of_round = 0;
+void BallMemory::average(Entry& entry, const Object& object) noexcept {
+  if (std::isfinite(object.out_of_round)) {
+    ++entry.outlines;
+    entry.out_of_round += (object.out_of_round - entry.out_of_round) / std::min(entry.outlines, kAveraged);
+  }
+  const Color& color = object.color;
   const double sum = color[0] + color[1] + color[2];
-  const bool has_color = sum > 0 && *std::max_element(color.begin(), color.end()) < kClipped;
-  const auto add_color = [&](Entry& entry) {
-    if (!has_color) return;
-    ++entry.colors;
-    for (std::size_t c = 0; c < 3; ++c)
-      entry.chromaticity[c] += (color[c] / sum - entry.chromaticity[c]) / entry.colors;
-  };
-  const auto begin = entries_.begin(), end = entries_.end();
-  const auto distance_mm = [&](const Entry& entry) {
-    return std::hypot(entry.x_mm - x_mm, entry.y_mm - y_mm);
-  };
-  const auto known =
-      std::find_if(begin, end, [&](const Entry& entry) { return distance_mm(entry) < kStillMm; });
-  const bool is_off_field = outside_mm > kOffFieldMm;
-  if (known != end) {
-    if (known->seen_s < now_s_) {
-      ++known->pictures;
-      known->out_of_round += (out_of_round - known->out_of_round) / known->pictures;
-      known->velocity_mm_s = {};
-    }
-    known->seen_s = now_s_;
-    known->is_sure = known->is_sure || is_sure;
-    add_color(*known);
-    return {is_off_field && !known->is_ball && known->pictures > kStandsAfter, known->pictures > 1,
-            known->pictures > 1 && is_unlike_balls(*known), static_cast<std::size_t>(known - begin)};
+  if (!(sum > 0) || *std::max_element(color.begin(), color.end()) >= kClipped) return;
+  ++entry.colors;
+  for (std::size_t c = 0; c < 3; ++c)
+    entry.chromaticity[c] += (color[c] / sum - entry.chromaticity[c]) / std::min(entry.colors, kAveraged);
+}
+
+/// Something that hides a part of an object, or different light, may shift its fit by this much.
+bool BallMemory::is_at_first_place(const Entry& entry) noexcept {
+  return std::hypot(entry.x_mm - entry.from_x_mm, entry.y_mm - entry.from_y_mm) < kTrackReachMm;
+}
+
+std::optional<BallMemory::Known> BallMemory::see_again(const Object& object) noexcept {
+  const auto known = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+    return std::hypot(entry.x_mm - object.x_mm, entry.y_mm - object.y_mm) < kStillMm;
+  });
+  if (known == entries_.end()) return {};
+  if (known->seen_s < now_s_) {
+    ++known->pictures;
+    known->velocity_mm_s = {};
+    average(*known, object);
   }
+  known->seen_s = now_s_;
+  known->is_sure = known->is_sure || object.is_sure;
+  const bool is_off_field = object.outside_mm > kOffFieldMm;
+  return Known{is_off_field && !known->is_ball && known->pictures > kStandsAfter, known->pictures > 1,
+               known->pictures > 1 && is_unlike_balls(*known),
+               static_cast<std::size_t>(known - entries_.begin())};
+}
+
+BallMemory::Known BallMemory::see_elsewhere(const Object& object) noexcept {
+  if (const auto known = see_again(object)) return *known;  // with another object of this image
   Entry now{};
-  now.x_mm = now.from_x_mm = x_mm;
-  now.y_mm = now.from_y_mm = y_mm;
+  now.x_mm = now.from_x_mm = object.x_mm;
+  now.y_mm = now.from_y_mm = object.y_mm;
   now.first_s = now.seen_s = now_s_;
+  now.rated_s = now_s_ - kForgetS;
   now.pictures = 1;
-  now.is_ball = !is_off_field;
-  now.is_sure = is_sure;
-  now.out_of_round = out_of_round;
+  now.is_ball = object.outside_mm <= kOffFieldMm;
+  now.is_sure = object.is_sure;
   now.was_there = now_s_ - begun_s_ < kBeginningS;
-  add_color(now);
+  bool is_shifted = false;  // only shifted, and there from the beginning
   Entry* before = nullptr;
-  for (auto entry = begin; entry != end; ++entry) {
-    const double dt = now_s_ - entry->seen_s;
-    if (!(dt > 0 && dt < kTrackS) || distance_mm(*entry) > kTrackReachMm + kFastestMmS * dt) continue;
+  double nearest_mm = 0;  // distance from where `before` is expected
+  for (Entry& entry : entries_) {
+    const double dt = now_s_ - entry.seen_s, dx = object.x_mm - entry.x_mm, dy = object.y_mm - entry.y_mm;
+    const double reach_mm = kTrackReachMm + (entry.was_unlike ? 0 : kFastestMmS * dt);
+    if (!(dt > 0 && dt < kTrackS) || std::hypot(dx, dy) > reach_mm) continue;
     // A stationary object is assumed to be still at its place.
-    if (!entry->is_ball && entry->pictures >= kStandsAfter) continue;
-    if (before == nullptr || distance_mm(*entry) < distance_mm(*before)) before = &*entry;
+    if (!entry.is_ball && entry.pictures >= kStandsAfter) continue;
+    const auto& [vx, vy] = entry.velocity_mm_s;
+    const double here_mm = std::hypot(dx - vx * dt, dy - vy * dt);
+    if (before != nullptr && here_mm >= nearest_mm) continue;
+    before = &entry;
+    nearest_mm = here_mm;
   }
-  if (before == nullptr && entries_.size() < kMax) {
-    entries_.push_back(now);
-    return {.number = entries_.size() - 1};
-  }
-  if (before == nullptr) {
-    before =
-        &*std::min_element(begin, end, [](const Entry& a, const Entry& b) { return a.seen_s < b.seen_s; });
-  } else {
+  if (before != nullptr) {
     now.from_x_mm = before->from_x_mm;
     now.from_y_mm = before->from_y_mm;
-    now.has_moved = before->has_moved || std::hypot(x_mm - now.from_x_mm, y_mm - now.from_y_mm) > kMovedMm;
+    now.has_moved =
+        before->has_moved || std::hypot(now.x_mm - now.from_x_mm, now.y_mm - now.from_y_mm) > kMovedMm;
     now.is_ball = now.is_ball || before->is_ball || now.has_moved;
-    const double dt = now_s_ - before->seen_s, dx = x_mm - before->x_mm, dy = y_mm - before->y_mm;
-    now.velocity_mm_s = {dx / dt, dy / dt};
+    const double dt = now_s_ - before->seen_s;
+    now.velocity_mm_s = {(now.x_mm - before->x_mm) / dt, (now.y_mm - before->y_mm) / dt};
     // Within its reach, a ball may have disappeared, and something else appeared.
-    const auto& [vx, vy] = before->velocity_mm_s;
-    const bool is_on_its_way = std::hypot(dx - vx * dt, dy - vy * dt) < kTrackReachMm;
-    if (is_on_its_way && before->is_rated && before->logit > 0) {
-      now.is_rated = true;
+    if (nearest_mm < kTrackReachMm && before->logit > 0) {
       now.rated_s = before->rated_s;
       now.logit = before->logit;
     }
+    is_shifted = before->was_there && is_at_first_place(now);
+    if (is_shifted) {
+      now.was_there = true;
+      now.was_unlike = before->was_unlike;
+      now.first_s = before->first_s;
+      now.colors = before->colors;
+      now.chromaticity = before->chromaticity;
+      now.outlines = before->outlines;
+      now.out_of_round = before->out_of_round;
+    }
     if (now.has_moved) count_moved(*before);
   }
+  average(now, object);
+  if (before == nullptr && entries_.size() < kMax) {
+    entries_.emplace_back();
+    before = &entries_.back();
+  }
+  if (before == nullptr) {
+    before = &*std::min_element(entries_.begin(), entries_.end(),
+                                [](const Entry& a, const Entry& b) { return a.seen_s < b.seen_s; });
+    if (!(before->seen_s < now_s_)) return {};
+  }
   *before = now;
-  return {.number = static_cast<std::size_t>(before - entries_.data())};
+  return {.unlike_balls = is_shifted && is_unlike_balls(*before),
+          .number = static_cast<std::size_t>(before - entries_.data())};
 }
 
 double BallMemory::over_time(std::size_t number, double confidence) noexcept {
+  if (number == kNoNumber) return confidence;
   Entry& entry = entries_[number];
   const double logit = std::clamp(std::log(confidence / (1 - confidence)), -30.0, 30.0);
-  const bool is_new = !entry.is_rated || !(now_s_ - entry.rated_s < kTrackS);
-  const double before = std::clamp(entry.logit, kLeastLogit, kMostLogit);
-  const double mean = is_new ? logit : (1 - kNewest) * before + kNewest * logit;
+  const bool may_be_fixed = entry.was_there && is_at_first_place(entry);
+  double mean = logit;
+  if (now_s_ - entry.rated_s < kTrackS) {
+    double before = std::clamp(entry.logit, kLeastLogit, kMostLogit);
+    if (may_be_fixed) {
+      // In the images since then, it did not even resemble a ball.
+      const double images = (now_s_ - entry.rated_s) / (now_s_ - before_s_) - 1;
+      before = kLeastLogit + std::pow(1 - kNewest, std::round(images)) * (before - kLeastLogit);
+    }
+    mean = before + kNewest * (logit - before);
+  }
   entry.logit = mean;
-  entry.is_rated = true;
   entry.rated_s = now_s_;
-  const double way_mm = std::hypot(entry.x_mm - entry.from_x_mm, entry.y_mm - entry.from_y_mm);
-  const bool may_be_fixed = entry.was_there && way_mm < kTrackReachMm;
   return 1 / (1 + std::exp(-(may_be_fixed ? std::min(mean, logit) : mean)));
 }
 

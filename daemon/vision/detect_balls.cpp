@@ -112,6 +112,8 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
   const BallFitter::Frame frame{image.view(),    camera,         radius_mm,     robots.robots,
                                 robot_radius_mm, robot_front_mm, params.blur_px};
   const double min_remembered = std::min(params.min_confidence, kPerhaps);
+  if (calibration_ && *calibration_ != camera.calibration()) memory_.forget_places();
+  calibration_ = camera.calibration();
   memory_.begin(info.times.t_capture_s);
   int fits = 0;
   const auto look_at = [&](const Region& region) {
@@ -188,11 +190,8 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
     if (!fit.ok) return;
     // Objects that are not reported are remembered too: in other light they may look more like balls.
     if (confidence < min_remembered) return;
-    const BallMemory::Known known = memory_.see(fit.x_mm, fit.y_mm, evidence.outside_mm, fit.color,
-                                                evidence.out_of_round, confidence > kSure);
-    if (known.as_furniture || known.unlike_balls) return;
     // If several regions belong to one ball, the best fit counts.
-    const Candidate candidate{fit, evidence, confidence, region.area_px, known};
+    const Candidate candidate{fit, evidence, confidence, region.area_px, {}};
     const auto same = std::find_if(candidates_.begin(), candidates_.end(), [&](const Candidate& other) {
       return std::hypot(other.fit.x_mm - fit.x_mm, other.fit.y_mm - fit.y_mm) < radius_mm;
     });
@@ -214,7 +213,18 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
       look_at(region);
     }
   }
+  const auto object_of = [&](const Candidate& c) {
+    return BallMemory::Object{
+        c.fit.x_mm,          c.fit.y_mm, c.evidence.outside_mm, c.fit.color, c.evidence.out_of_round,
+        c.confidence > kSure};
+  };
+  for (Candidate& candidate : candidates_) candidate.known = memory_.see_again(object_of(candidate));
   for (Candidate& candidate : candidates_) {
+    if (!candidate.known) candidate.known = memory_.see_elsewhere(object_of(candidate));
+  }
+  for (Candidate& candidate : candidates_) {
+    const BallMemory::Known& known = *candidate.known;
+    if (known.as_furniture || known.unlike_balls) continue;
     const BallFit& fit = candidate.fit;
     double confidence = candidate.confidence;
     const auto pixel = camera.project({fit.x_mm, fit.y_mm, radius_mm});
@@ -222,13 +232,14 @@ void DetectBalls::process(const Params& params, const Scene& scene, const Lut& l
     // Compares with tape only if the ball is at rest, because a moving ball is blurred into a strip, and only
     // if pixels are small enough to show the corners of tape.
     constexpr double kLargePixel = 0.47;  // share of the radius
-    if (confidence >= params.min_confidence && candidate.known.at_rest &&
+    constexpr double kNearly = 0.5;       // its confidence over time may suffice, even if this one does not
+    if (confidence >= kNearly * params.min_confidence && known.at_rest &&
         std::sqrt(camera.mm2_per_px(*pixel, radius_mm)) < kLargePixel * radius_mm) {
       candidate.evidence.tape_gain = fitter_.rectangle_gain(frame, fit);
       candidate.evidence.is_bayer = is_bayer(image.view().format);
       confidence = confidence_of(candidate.evidence);
     }
-    confidence = memory_.over_time(candidate.known.number, confidence);
+    confidence = memory_.over_time(known.number, confidence);
     if (confidence < params.min_confidence) continue;
     out.balls.push_back({fit.x_mm, fit.y_mm, pixel->x(), pixel->y(), candidate.area_px, confidence,
                          fit.place_cov, fit.radius_mm, fit.radius_sigma_mm});

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/params.h"
+#include "geometry/camera_model.h"
 #include "image/frame_info.h"
 #include "image/image.h"
 #include "vision/ball_fit.h"
@@ -13,6 +14,7 @@
 #include "vision/regions.h"
 
 #include <cstdint>
+#include <optional>
 #include <tuple>
 #include <vector>
 
@@ -77,11 +79,12 @@ class DetectBalls {
     BallEvidence evidence;
     double confidence;
     std::uint32_t area_px;
-    BallMemory::Known known;
+    std::optional<BallMemory::Known> known;
   };
   BallFitter fitter_;
   std::vector<Candidate> candidates_;  // in the current image
   BallMemory memory_;
+  std::optional<CameraCalibration> calibration_;  // of the image before
 };
 
 }  // namespace sslv

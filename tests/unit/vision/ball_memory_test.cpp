@@ -12,14 +12,18 @@ constexpr double kFrameS = 1.0 / 60;
 constexpr BallMemory::Color kOrange{140, 70, 30}, kRed{140, 40, 35}, kSunny{190, 115, 60};
 constexpr double kRound = 0.5, kSquare = 1.5;
 
+BallMemory::Known see(BallMemory& memory, const BallMemory::Object& object) {
+  const auto known = memory.see_again(object);
+  return known ? *known : memory.see_elsewhere(object);
+}
 BallMemory::Known see(BallMemory& memory, double x_mm, double y_mm, double outside_mm) {
-  return memory.see(x_mm, y_mm, outside_mm, kOrange, kRound, true);
+  return see(memory, {x_mm, y_mm, outside_mm, kOrange, kRound, true});
 }
 
 /// Balls at other places in each image, as in play.
 void let_balls_move(BallMemory& memory, int picture) {
-  memory.see(-3000 + 400 * picture, 1000, -1000, kOrange, kRound, true);
-  memory.see(-3000 + 400 * picture, -1000, -1000, kOrange, kRound, true);
+  see(memory, {-3000 + 400.0 * picture, 1000, -1000, kOrange, kRound, true});
+  see(memory, {-3000 + 400.0 * picture, -1000, -1000, kOrange, kRound, true});
 }
 
 TEST(BallMemory, AStandingThingOffTheFieldIsFurniture) {
@@ -96,17 +100,18 @@ TEST(BallMemory, AThingOfAnotherHueThatNeverMovedIsNoBall) {
   for (int i = 0; i < 15; ++i) {
     memory.begin(10 + i * kFrameS);
     let_balls_move(memory, i);
-    if (!memory.see(0, 200, -100, kRed, kRound, true).unlike_balls) ++tape;
-    if (!memory.see(500, 200, -100, {70, 20, 17.5}, kRound, false).unlike_balls) ++dimmer_tape;
-    EXPECT_FALSE(memory.see(1000, 200, -100, kOrange, kRound, true).unlike_balls) << "a ball that lies there";
-    EXPECT_FALSE(memory.see(1500, 200, -100, {255, 40, 35}, kRound, true).unlike_balls)
+    if (!see(memory, {0, 200, -100, kRed, kRound, true}).unlike_balls) ++tape;
+    if (!see(memory, {500, 200, -100, {70, 20, 17.5}, kRound, false}).unlike_balls) ++dimmer_tape;
+    EXPECT_FALSE(see(memory, {1000, 200, -100, kOrange, kRound, true}).unlike_balls)
+        << "a ball that lies there";
+    EXPECT_FALSE(see(memory, {1500, 200, -100, {255, 40, 35}, kRound, true}).unlike_balls)
         << "its red is clipped";
   }
   EXPECT_LE(tape, 4);
   EXPECT_EQ(tape, dimmer_tape);
   // It is remembered even when hidden for long.
   memory.begin(1000);
-  EXPECT_TRUE(memory.see(0, 200, -100, kRed, kRound, true).unlike_balls);
+  EXPECT_TRUE(see(memory, {0, 200, -100, kRed, kRound, true}).unlike_balls);
 }
 
 TEST(BallMemory, ALessRoundThingThatNeverMovedIsNoBallAfterAWhile) {
@@ -117,9 +122,9 @@ TEST(BallMemory, ALessRoundThingThatNeverMovedIsNoBallAfterAWhile) {
     let_balls_move(memory, i);
     // Noise makes an image of tape as round as a ball now and then, and a ball as square as tape.
     const bool is_odd = i % 4 == 1;
-    const auto tape = memory.see(0, 200, -100, kOrange, is_odd ? kRound : kSquare, true);
+    const auto tape = see(memory, {0, 200, -100, kOrange, is_odd ? kRound : kSquare, true});
     EXPECT_EQ(tape.unlike_balls, since_s >= 30) << since_s;
-    EXPECT_FALSE(memory.see(500, 200, -100, kOrange, is_odd ? kSquare : kRound, true).unlike_balls);
+    EXPECT_FALSE(see(memory, {500, 200, -100, kOrange, is_odd ? kSquare : kRound, true}).unlike_balls);
   }
 }
 
@@ -127,11 +132,12 @@ TEST(BallMemory, FewBallsOrBallsThatDifferWidelyDoNotTeachTheOutline) {
   BallMemory few, differ;
   for (int i = 0; i < 20; ++i) {
     few.begin(10 + 3.0 * i);
-    few.see(-3000 + 400 * std::min(i, 9), 1000, -1000, kOrange, kRound, true);  // nine places, then it rests
-    EXPECT_FALSE(few.see(0, 200, -100, kOrange, kSquare, true).unlike_balls) << i;
+    see(few,
+        {-3000 + 400.0 * std::min(i, 9), 1000, -1000, kOrange, kRound, true});  // nine places, then it rests
+    EXPECT_FALSE(see(few, {0, 200, -100, kOrange, kSquare, true}).unlike_balls) << i;
     differ.begin(10 + 3.0 * i);
-    differ.see(-3000 + 400 * i, 1000, -1000, kOrange, kRound + 0.3 * (i % 5), true);
-    EXPECT_FALSE(differ.see(0, 200, -100, kOrange, kSquare, true).unlike_balls) << i;
+    see(differ, {-3000 + 400.0 * i, 1000, -1000, kOrange, kRound + 0.3 * (i % 5), true});
+    EXPECT_FALSE(see(differ, {0, 200, -100, kOrange, kSquare, true}).unlike_balls) << i;
   }
 }
 
@@ -141,7 +147,7 @@ TEST(BallMemory, ALessRoundThingThatMovedOrAppearedLaterIsABall) {
     memory.begin(10 + 3.0 * i);
     let_balls_move(memory, i % 15);
     if (i <= 5) continue;
-    EXPECT_FALSE(memory.see(500, 200, -100, kOrange, kSquare, true).unlike_balls) << "laid there";
+    EXPECT_FALSE(see(memory, {500, 200, -100, kOrange, kSquare, true}).unlike_balls) << "laid there";
   }
 }
 
@@ -180,12 +186,104 @@ TEST(BallMemory, ConfidenceOverTime) {
   EXPECT_LE(rate(1000, 1), 1);
 }
 
+TEST(BallMemory, ConfidenceBelongsToOneObject) {
+  BallMemory memory;
+  for (int i = 0; i < 20; ++i) {
+    memory.begin(10 + i * kFrameS);
+    memory.over_time(see(memory, 0, 0, -1000).number, 0.9999);
+  }
+  // Something larger appears beside the resting ball, so its region is the first in the list.
+  memory.begin(10.4);
+  const BallMemory::Object ball{0, 0, -1000, kOrange, kRound, true},
+      other{50, 0, -1000, kOrange, kRound, true};
+  const auto known = memory.see_again(ball);
+  ASSERT_TRUE(known);
+  EXPECT_FALSE(memory.see_again(other));
+  EXPECT_NEAR(memory.over_time(memory.see_elsewhere(other).number, 0.1), 0.1, 1e-9);
+  EXPECT_GT(memory.over_time(known->number, 0.1), 0.5);
+  // More objects than are remembered.
+  memory.begin(10.5);
+  for (int i = 0; i < 200; ++i) {
+    const double confidence = i % 2 == 0 ? 0.99 : 0.02;
+    EXPECT_NEAR(memory.over_time(see(memory, 500 + 200.0 * i, 0, -1000).number, confidence), confidence,
+                1e-9);
+  }
+}
+
+TEST(BallMemory, AFixedThingThatSeldomResemblesABallIsNone) {
+  BallMemory memory;
+  int reported = 0;
+  for (int i = 0; i < 40; ++i) {
+    memory.begin(10 + i * kFrameS);
+    if (i % 4 == 0 && memory.over_time(see(memory, 0, 0, -1000).number, 0.7) > 0.5) ++reported;
+  }
+  EXPECT_LE(reported, 1);
+}
+
+/// Tape that lies at (0, 200) since the beginning, and balls that have moved.
+BallMemory with_tape(int images = 20) {
+  BallMemory memory;
+  for (int i = 0; i < images; ++i) {
+    memory.begin(10 + i);
+    let_balls_move(memory, i);
+    see(memory, {0, 200, -100, kRed, kRound, true});
+  }
+  return memory;
+}
+
+TEST(BallMemory, TapeThatARobotHidesInPartIsStillTape) {
+  BallMemory memory = with_tape();
+  for (int i = 0; i < 10; ++i) {
+    memory.begin(30 + i * kFrameS);
+    const double shift_mm = 13.0 * (i % 4);
+    EXPECT_TRUE(see(memory, {shift_mm, 200, -100, kRed, kRound, true}).unlike_balls) << i;
+  }
+}
+
+TEST(BallMemory, ABallThatPassesTapeIsStillABallAndTheTapeTape) {
+  BallMemory memory = with_tape();
+  for (int i = 0; i < 20; ++i) {
+    memory.begin(30 + i * kFrameS);
+    // The ball's larger region is the first in the list, and hides the tape for some images.
+    const BallMemory::Object ball{-500 + 50.0 * i, 215, -100, kOrange, kRound, true};
+    EXPECT_FALSE(see(memory, ball).unlike_balls) << i;
+    if (i < 9 || i > 11) EXPECT_TRUE(see(memory, {0, 200, -100, kRed, kRound, true}).unlike_balls) << i;
+  }
+}
+
+TEST(BallMemory, TheBeginningIsThatOfTheFirstObjects) {
+  BallMemory memory;
+  for (int i = 0; i < 100; ++i) memory.begin(10 + i);  // no colours have been learnt yet
+  for (int i = 0; i < 15; ++i) {
+    memory.begin(110 + i * kFrameS);
+    let_balls_move(memory, i);
+    const bool unlike = see(memory, {0, 200, -100, kRed, kRound, true}).unlike_balls;
+    if (i != 3) EXPECT_EQ(unlike, i > 3) << i;
+  }
+  // After a calibration the tape is elsewhere.
+  memory.forget_places();
+  for (int i = 0; i < 3; ++i) {
+    memory.begin(111 + i * kFrameS);
+    EXPECT_EQ(see(memory, {70, 250, -100, kRed, kRound, true}).unlike_balls, i > 0) << i;
+  }
+}
+
+TEST(BallMemory, ABallThatComesToRestWhereTapeWasIsABallAfterAWhile) {
+  BallMemory memory = with_tape();
+  int images = 0;
+  do {
+    ++images;
+    memory.begin(30 + images * kFrameS);
+  } while (see(memory, {0, 200, -100, kOrange, kRound, true}).unlike_balls && images < 10'000);
+  EXPECT_LT(images, 1000);
+}
+
 TEST(BallMemory, StandingThingsDoNotTeachTheHue) {
   BallMemory memory;
   for (int i = 0; i < 50; ++i) {
     memory.begin(10 + i * kFrameS);
-    for (int k = 0; k < 8; ++k) memory.see(400 * k, 200, -100, kRed, kRound, true);
-    EXPECT_FALSE(memory.see(0, 1000, -1000, kOrange, kRound, true).unlike_balls)
+    for (int k = 0; k < 8; ++k) see(memory, {400.0 * k, 200, -100, kRed, kRound, true});
+    EXPECT_FALSE(see(memory, {0, 1000, -1000, kOrange, kRound, true}).unlike_balls)
         << "eight pieces of tape, one ball";
   }
 }
@@ -196,10 +294,10 @@ TEST(BallMemory, AThingThatMovedOrAppearedLaterIsABallOfAnyHue) {
     memory.begin(10 + i * kFrameS);
     let_balls_move(memory, i % 15);
     const double x_mm = std::min(2000.0, 30.0 * i);
-    EXPECT_FALSE(memory.see(x_mm, -200, -100, kSunny, kRound, true).unlike_balls)
+    EXPECT_FALSE(see(memory, {x_mm, -200, -100, kSunny, kRound, true}).unlike_balls)
         << "rolls into the sun, and rests";
     if (i <= 700) continue;
-    EXPECT_FALSE(memory.see(500, 200, -100, kSunny, kRound, true).unlike_balls) << "laid there";
+    EXPECT_FALSE(see(memory, {500, 200, -100, kSunny, kRound, true}).unlike_balls) << "laid there";
   }
 }
 
