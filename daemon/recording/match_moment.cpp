@@ -283,7 +283,7 @@ std::optional<Json> MatchMoments::at(double at_s, const std::stop_token& stop) {
       camera["time_s"] = time_s;
     } else if (message.type == LoggedMessage::kTracker2020 && parse(tracker, message.bytes) &&
                tracker.has_tracked_frame()) {
-      // If several trackers send, always use the same one.
+      // Of several trackers, uses the one with the smallest uuid.
       if (out["tracked"].is_null() || tracker.uuid() < tracker_source) tracker_source = tracker.uuid();
       if (tracker.uuid() == tracker_source) out["tracked"] = tracked_json(tracker.tracked_frame());
     }

@@ -69,9 +69,9 @@ void RunningField::publish(const TrackedField& tracked) noexcept {
   if (in_use_->sends) {
     write_tracked(tracked, in_use_->source, packet_);
     out_.send(serialize(packet_, buffer_));
-  } else if (const std::int64_t now_ns = unix_time_ns(); for_log_.is_due(now_ns)) {
+  } else if (const std::int64_t now_ns = steady_ns(); for_log_.is_due(now_ns)) {
     write_tracked(tracked, in_use_->source, packet_);
-    for_log_.write(now_ns, serialize(packet_, buffer_));
+    for_log_.write(now_ns, unix_time_ns(), serialize(packet_, buffer_));
   }
   const std::int64_t took_ns = steady_ns() - frame_.arrived.handed_over_ns;
   latency_.add_ns(took_ns);

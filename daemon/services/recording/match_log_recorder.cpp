@@ -50,8 +50,8 @@ void MatchLogRecorder::begin(const std::filesystem::path& file) {
     const std::lock_guard lock(mutex_);
     status_ = {.is_recording = true, .problem = {}};
     waiting_.clear();
-    tracks_.read(unix_time_ns(), [](const auto&) {});  // those of the log before
-    tracks_.take_dropped();
+    tracks_.discard();  // those of the log before
+    written_steady_ns_ = 0;
     ends_ = cuts_strangers_ = false;
     writer_ = std::move(writer);
   }
@@ -99,7 +99,8 @@ void MatchLogRecorder::take(Group& group, const boost::asio::ip::udp::endpoint& 
                        group.share.take(sender.address().to_v4().to_uint(), datagram.size(), steady_s());
   const bool is_ours = is_good && is_ours_(group.type, sender);
   const std::lock_guard lock(mutex_);
-  const std::int64_t time_ns = unix_time_ns();  // under the lock, so that messages are in order of time
+  // Under the lock, so that messages are in order of time.
+  const std::int64_t now_steady_ns = steady_ns(), time_ns = unix_time_ns();
   if (!status_.is_recording) return;
   if (!is_good) {
     ++status_.refused;
@@ -117,37 +118,40 @@ void MatchLogRecorder::take(Group& group, const boost::asio::ip::udp::endpoint& 
     return;
   }
   (is_ours ? status_.ours_bytes : status_.strangers_bytes) += bytes;
-  waiting_.messages.push_back({time_ns, group.type, static_cast<std::uint32_t>(datagram.size())});
+  waiting_.messages.push_back(
+      {now_steady_ns, time_ns, group.type, static_cast<std::uint32_t>(datagram.size())});
   waiting_.bytes.insert(waiting_.bytes.end(), datagram.begin(), datagram.end());
   ++(group.type == LoggedMessage::kVision2014 ? status_.vision
      : group.type == LoggedMessage::kReferee  ? status_.referee
                                               : status_.tracked);
 }
 
-bool MatchLogRecorder::write(const Waiting& some, std::int64_t until_ns) {
+bool MatchLogRecorder::write(const Waiting& some, std::int64_t until_steady_ns) {
   try {
     std::uint64_t tracked = 0, tracked_bytes = 0;
-    const auto add = [&](std::int64_t time_ns, std::int32_t type, std::span<const std::byte> message) {
-      writer_->add(time_ns, type, message);
-      written_until_ns_ = time_ns;
+    const auto add = [&](std::int64_t steady_ns, std::int64_t time_ns, std::int32_t type,
+                         std::span<const std::byte> message) {
+      // Tracks may be late: the field's thread may be interrupted before it hands them over.
+      if (steady_ns >= written_steady_ns_) {
+        written_steady_ns_ = steady_ns;
+        written_ns_ = time_ns;
+      }
+      writer_->add(written_ns_, type, message);
     };
-    const auto add_tracks = [&](std::int64_t time_ns) {
-      tracks_.read(time_ns, [&](const TracksForLog::Packet& packet) {
-        // The field's thread may have been interrupted between taking the time and handing over the packet.
-        const bool is_late = written_until_ns_ - packet.time_ns < TracksForLog::kClockWasSet_ns;
-        add(is_late ? std::max(packet.time_ns, written_until_ns_) : packet.time_ns,
-            LoggedMessage::kTracker2020, packet.bytes);
+    const auto add_tracks = [&](std::int64_t steady_ns) {
+      tracks_.read(steady_ns, [&](const TracksForLog::Packet& packet) {
+        add(packet.steady_ns, packet.time_ns, LoggedMessage::kTracker2020, packet.bytes);
         ++tracked;
         tracked_bytes += packet.bytes.size() + kMessageHeaderBytes;
       });
     };
     std::span<const std::byte> bytes(some.bytes);
     for (const Waiting::Message& message : some.messages) {
-      add_tracks(message.time_ns);
-      add(message.time_ns, message.type, bytes.first(message.size));
+      add_tracks(message.steady_ns);
+      add(message.steady_ns, message.time_ns, message.type, bytes.first(message.size));
       bytes = bytes.subspan(message.size);
     }
-    add_tracks(until_ns);
+    add_tracks(until_steady_ns);
     writer_->flush();
     const std::lock_guard lock(mutex_);
     status_.tracked += tracked;
@@ -167,7 +171,7 @@ void MatchLogRecorder::keep_writing(const std::stop_token& stop) {
   Waiting some;
   while (true) {
     bool ends;
-    std::int64_t until_ns;
+    std::int64_t until_steady_ns;
     {
       std::unique_lock lock(mutex_);
       changed_.wait(lock, stop, [this] { return status_.is_recording; });
@@ -175,9 +179,9 @@ void MatchLogRecorder::keep_writing(const std::stop_token& stop) {
       changed_.wait_for(lock, stop, kFlushInterval, [this] { return ends_; });
       ends = ends_ || stop.stop_requested();
       std::swap(some, waiting_);
-      until_ns = unix_time_ns();
+      until_steady_ns = steady_ns();
     }
-    bool is_well = write(some, until_ns);
+    bool is_well = write(some, until_steady_ns);
     some.clear();
     if (is_well && ends) {
       try {

@@ -82,7 +82,7 @@ class MatchLogRecorder {
  private:
   struct Waiting {
     struct Message {
-      std::int64_t time_ns;
+      std::int64_t steady_ns, time_ns;  // as in TracksForLog
       std::int32_t type;
       std::uint32_t size;
     };
@@ -98,8 +98,8 @@ class MatchLogRecorder {
   void take(Group& group, const boost::asio::ip::udp::endpoint& sender, std::span<const std::byte> datagram);
   void listen_now();  // with control_mutex_ held
   void keep_writing(const std::stop_token& stop);
-  /// Writes `some`, and our tracks up to `until_ns`. Returns false if the log cannot be continued.
-  bool write(const Waiting& some, std::int64_t until_ns);
+  /// Writes `some`, and our tracks up to `until_steady_ns`. Returns false if the log cannot be continued.
+  bool write(const Waiting& some, std::int64_t until_steady_ns);
 
   const IsOurs is_ours_;
   TracksForLog& tracks_;
@@ -115,7 +115,7 @@ class MatchLogRecorder {
   bool cuts_strangers_ = false;
   std::uint64_t ours_before_cut_ = 0, strangers_before_cut_ = 0;  // bytes
   std::unique_ptr<MatchLogWriter> writer_;                        // used by the thread while it records
-  std::int64_t written_until_ns_ = 0;                             // used by the thread
+  std::int64_t written_steady_ns_ = 0, written_ns_ = 0;           // times of the last message, for the thread
 
   std::jthread thread_;
   struct Group {

@@ -92,24 +92,22 @@ TEST_F(MatchLogRecorderTest, StrangersAreCutToAsMuchAsIsOurs) {
 }
 
 TEST_F(MatchLogRecorderTest, HoldsTracksThatAreNotSent) {
-  const auto write = [&](std::int64_t time_ns, const std::string& bytes) {
-    tracks_.write(time_ns, std::as_bytes(std::span(bytes)));
+  const auto write = [&](std::int64_t late_ns, const std::string& bytes) {
+    tracks_.write(steady_ns() - late_ns, unix_time_ns() - late_ns, std::as_bytes(std::span(bytes)));
   };
-  EXPECT_FALSE(tracks_.is_due(unix_time_ns() + TracksForLog::kPeriod_ns)) << "nobody records";
-  write(unix_time_ns(), "before the log");
+  const auto is_due_in = [&](std::int64_t later_ns) { return tracks_.is_due(steady_ns() + later_ns); };
+  EXPECT_FALSE(is_due_in(TracksForLog::kPeriod_ns)) << "nobody records";
+  write(0, "before the log");
   recorder_.begin(file_);
-  EXPECT_TRUE(tracks_.is_due(unix_time_ns() + TracksForLog::kPeriod_ns));
+  EXPECT_TRUE(is_due_in(TracksForLog::kPeriod_ns));
   send_tracked();
   ASSERT_TRUE(test::becomes([&] { return recorder_.status().tracked == 1; }));
-  const std::int64_t late_ns = unix_time_ns() - 5'000'000;  // before the message above, perhaps
-  write(late_ns, "late");
-  EXPECT_FALSE(tracks_.is_due(late_ns + TracksForLog::kPeriod_ns - 1)) << "too soon";
-  EXPECT_TRUE(tracks_.is_due(late_ns + TracksForLog::kPeriod_ns));
-  EXPECT_TRUE(tracks_.is_due(late_ns - 3'600'000'000'000)) << "the clock was set back";
-  write(unix_time_ns(), "in time");
+  write(5'000'000, "late");  // before the message above, perhaps
+  EXPECT_TRUE(is_due_in(2 * TracksForLog::kPeriod_ns));
+  write(0, "in time");
   ASSERT_TRUE(test::becomes([&] { return recorder_.status().tracked == 3; }));
   recorder_.pause(true);
-  EXPECT_FALSE(tracks_.is_due(unix_time_ns() + TracksForLog::kPeriod_ns));
+  EXPECT_FALSE(is_due_in(2 * TracksForLog::kPeriod_ns));
   recorder_.end();
   MatchLogReader reader(file_);
   LoggedMessage message;
@@ -130,16 +128,49 @@ TEST_F(MatchLogRecorderTest, HoldsTracksThatAreNotSent) {
   EXPECT_EQ(recorder_.status().ours_bytes, bytes) << "the quota counts them as ours";
 }
 
+TEST_F(MatchLogRecorderTest, TracksAreInOrderWithMessagesWhenTheClockIsSet) {
+  recorder_.begin(file_);
+  constexpr std::int64_t kHour_ns = 3'600'000'000'000;
+  const std::int64_t now_ns = steady_ns();
+  const std::int64_t times_ns[] = {now_ns, now_ns + kHour_ns, now_ns - kHour_ns};
+  for (int i = 0; i < 3; ++i) tracks_.write(now_ns + i, times_ns[i], {});
+  ASSERT_TRUE(test::becomes([&] { return recorder_.status().tracked == 3; }));
+  recorder_.end();
+  MatchLogReader reader(file_);
+  LoggedMessage message;
+  for (const std::int64_t time_ns : times_ns) {
+    ASSERT_TRUE(reader.next(message));
+    EXPECT_EQ(message.time_ns, time_ns);
+  }
+}
+
+TEST(TracksForLog, TakesThirtyASecondOfAnyRate) {
+  for (const int rate_hz : {60, 75, 90, 240}) {
+    TracksForLog tracks;
+    tracks.want(true);
+    int taken = 0;
+    for (int i = 0; i < 10 * rate_hz; ++i) {
+      const std::int64_t now_ns = 1'000'000'000 + 1'000'000'000LL * i / rate_hz + (i % 3) * 100'000;
+      if (!tracks.is_due(now_ns)) continue;
+      tracks.write(now_ns, now_ns, {});
+      tracks.discard();
+      ++taken;
+    }
+    EXPECT_NEAR(taken, 300, 3) << rate_hz;
+  }
+}
+
 TEST_F(MatchLogRecorderTest, CountsTracksThatDoNotFitIntoMemory) {
-  for (int i = 0; i < 1000; ++i) tracks_.write(i, {});
+  constexpr int kMany = 10'000;
+  for (int i = 0; i < kMany; ++i) tracks_.write(i, i, {});
   EXPECT_GT(tracks_.take_dropped(), 0U);
   recorder_.begin(file_);
   recorder_.end();
   EXPECT_EQ(recorder_.status().tracked, 0U) << "they are of no log";
   recorder_.begin(folder_.path() / "b.log.gz");
   // Later than any time that the log takes yet.
-  for (int i = 0; i < 1000; ++i) tracks_.write(unix_time_ns() + 500'000'000, {});
-  ASSERT_TRUE(test::becomes([&] { return recorder_.status().tracked + recorder_.status().lost == 1000; }));
+  for (int i = 0; i < kMany; ++i) tracks_.write(steady_ns() + 500'000'000, unix_time_ns(), {});
+  ASSERT_TRUE(test::becomes([&] { return recorder_.status().tracked + recorder_.status().lost == kMany; }));
   EXPECT_GT(recorder_.status().lost, 0U);
   recorder_.end();
 }
