@@ -254,7 +254,10 @@ Room RecordingFiles::make_room(const RecordingSettings& settings, RoomFor whom, 
   std::uint64_t gained = 0;
   std::vector<std::string> goes;
   for (const Removable& one : removables.all) {
-    if (counted - gained <= quota) break;
+    const bool lacks_quota = counted - gained > quota,
+               lacks_disk = use.free_bytes + gained < keep_free + wanted_bytes;
+    // On a full disk, clips must not end a match log.
+    if (!lacks_quota && !(lacks_disk && one.is_clip && whom == RoomFor::kMatchLog)) break;
     gained += std::min(counted - gained, one.bytes);
     goes.push_back(one.name);
   }
@@ -273,8 +276,9 @@ Room RecordingFiles::make_room(const RecordingSettings& settings, RoomFor whom, 
   if (counted - gained > quota && whom != RoomFor::kMatchLog) throw StorageError(room.problem);
   if (use.free_bytes + gained < keep_free + wanted_bytes)
     throw StorageError(
-        fmt::format("{:.1f} GB of the disk are free; recordings leave {:.1f} GB (/recording/keep_free_mb)",
-                    static_cast<double>(use.free_bytes) * 1e-9, settings.keep_free_mb * 1e-3));
+        fmt::format("{:.1f} GB of the disk are free; recordings leave {:.1f} GB (/recording/keep_free_mb){}",
+                    static_cast<double>(use.free_bytes) * 1e-9, settings.keep_free_mb * 1e-3,
+                    reserve_mb > 0 ? fmt::format(", clips {:.1f} GB more", reserve_mb * 1e-3) : ""));
   for (const std::string& name : goes) {
     if (!remove(name)) continue;
     log::info("recording {} was removed to make room", name);

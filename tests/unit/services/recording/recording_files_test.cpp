@@ -194,6 +194,21 @@ TEST_F(RecordingFilesTest, RemovesNothingForADiskThatMustStayFree) {
   EXPECT_TRUE(fs::exists(files_.path_of("a.clip")));
 }
 
+TEST_F(RecordingFilesTest, OnAFullDiskClipsGoForAMatchLog) {
+  // Sparse files, larger than anything that other programs may write meanwhile.
+  constexpr int kTera_mb = 1'000'000;
+  settings_.quota_mb = 10 * kTera_mb;
+  settings_.keep_free_mb = static_cast<int>(files_.disk_use().free_bytes / kMb) + kTera_mb / 2;
+  put("a.log.gz", kTera_mb, 9);
+  put("b.log.gz", 1, 8);
+  EXPECT_THAT(refusal(RoomFor::kMatchLog), HasSubstr("/recording/keep_free_mb"));
+  put("a.clip", kTera_mb, 2);
+  put("b.clip", kTera_mb, 1);
+  EXPECT_THAT(refusal(RoomFor::kClip), HasSubstr("clips 0.4 GB more"));
+  EXPECT_THAT(goes_for(RoomFor::kMatchLog), ElementsAre("a.clip"));
+  EXPECT_TRUE(fs::exists(files_.path_of("b.clip"))) << "the other one is enough";
+}
+
 TEST_F(RecordingFilesTest, TheLogThatIsWrittenIsNotRemoved) {
   const fs::path log = files_.begin("match");
   put(log.filename().string(), 200, 9);
