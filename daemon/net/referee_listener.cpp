@@ -27,6 +27,11 @@ bool is_valid(const Referee& referee) {
          is_readable(referee.blue().name()) && is_readable(referee.source_identifier());
 }
 
+/// Game controllers say "Unknown" for a team that is not chosen yet.
+std::string name_of(const Referee::TeamInfo& team) {
+  return team.name() == "Unknown" ? "" : plain_part(team.name());
+}
+
 // The numbers are the game controller's Stage and Command.
 constexpr int kHalt = 0;
 
@@ -67,6 +72,11 @@ std::optional<MatchState> match_of(const Referee& referee) {
 }
 
 }  // namespace
+
+bool RefereeStatus::half_is_next() const {
+  constexpr int kBeforeHalves[] = {0, 3, 6, 9};
+  return match && std::ranges::find(kBeforeHalves, match->stage) != std::end(kBeforeHalves);
+}
 
 bool RefereeStatus::is_in_match() const {
   constexpr int kBeforeFirstHalf = 0, kFinished = 13;
@@ -127,8 +137,7 @@ void RefereeListener::receive(std::span<const std::byte> datagram, const udp::en
                               ? std::optional(referee.blue_team_on_positive_half())
                               : std::nullopt;
     match_ = match_of(referee);
-    const std::array<std::string, 2> names{plain_part(referee.yellow().name()),
-                                           plain_part(referee.blue().name())};
+    const std::array<std::string, 2> names{name_of(referee.yellow()), name_of(referee.blue())};
     if (names == team_names_) return;
     team_names_ = names;
   }

@@ -55,7 +55,7 @@ struct MatchState {
 
 /// The last state received from the game controller.
 struct RefereeStatus {
-  std::array<std::string, 2> team_names;  // by Team; empty: not received yet
+  std::array<std::string, 2> team_names;  // by Team; empty: not received or not chosen yet
   std::optional<double> silent_s;         // time since the last message; empty before the first message
   GameController followed;                // the sender of this state
   std::optional<GameController> other;    // another game controller, received recently but ignored
@@ -73,6 +73,8 @@ struct RefereeStatus {
   static constexpr double kMatchOverAfter_s = 600;
   /// Whether a stage is being played.
   bool match_runs() const { return stage_is_played && silent_s.value_or(1e9) < kMatchOverAfter_s; }
+  /// Whether a half or extra half begins next. Not in breaks and after the match, when robots come and go.
+  bool half_is_next() const;
   /// Whether the match has begun and is not over: a stage is being played, or there is a break.
   bool is_in_match() const;
 };

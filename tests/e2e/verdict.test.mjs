@@ -91,7 +91,6 @@ const faults = [
   { name: 'one id in two places', always: true, check: 'robots', alerts: ['robot_twice'], fails: 0, strengths: [2, 3, 4].map((seed) => [source(1, 'seed', seed)]) },
   { name: 'two robots with one pattern', always: true, check: 'robots', alerts: ['robot_twice'], fails: 0, strengths: [1, 2, 3].map((count) => forAll('twins', count)) },
   { name: 'a roster that is not there', check: 'robots', alerts: ['robots_missing'], fails: 3, strengths: [[0, 11], [0, 11, 12], [13, 14, 15]].map((ids) => [replace('/teams/yellow/ids', ids)]) },
-  { name: 'fewer robots than may play', check: 'robots', alerts: ['robots_few'], fails: 3, sent: [12, 13, 14].map((count) => toReferee(gameController({ ...GC, yellow: ['', count] }))) },
   { name: 'more robots than may play', check: 'robots', alerts: ['robots_many'], fails: 3, sent: [10, 9, 0].map((count) => toReferee(gameController({ ...GC, blue: ['', count] }))) },
   { name: 'a robot height that is not true', check: 'agreement', alerts: ['cameras_disagree'], fails: 2, strengths: [70, 240, 20].map((mm) => ['yellow', 'blue'].map((color) => replace(`/teams/${color}/robot_height`, mm))) },
   { name: 'a camera that is lost', always: true, check: 'cameras', alerts: ['camera_lost'], fails: 0, strengths: one.map((all) => all.map((i) => replace(`/cameras/${i}/source`, { backend: 'files', path: lost }))) },

@@ -11,10 +11,6 @@ namespace {
 
 constexpr std::size_t kMaxPart = 60;
 
-bool is_named(const std::string& team) {
-  return !team.empty() && team != "Unknown";  // game controllers use "Unknown" for a team not chosen yet
-}
-
 // Numbers of the game controller's Stage and MatchType.
 bool is_break(int stage) {
   constexpr int kBreaks[] = {2, 5, 8, 11};
@@ -35,7 +31,7 @@ const char* match_type(int type) {
 
 MatchRule::Wish MatchRule::look(const RefereeStatus& referee) {
   const auto& [yellow, blue] = referee.team_names;
-  const bool is_over = !is_named(yellow) || !is_named(blue) || !referee.match ||
+  const bool is_over = yellow.empty() || blue.empty() || !referee.match ||
                        referee.match->stage == kFinished ||
                        referee.silent_s.value_or(1e9) > RefereeStatus::kMatchOverAfter_s;
   if (is_over) {

@@ -11,8 +11,8 @@ namespace sslv {
 
 /// Decides from the game controller's state when to record a match, like the league's own recorder: a
 /// recording begins when both teams are named and the command is not HALT, pauses in breaks, and ends with
-/// the match, when a team's name changes, or when the game controller has been silent for
-/// RefereeStatus::kMatchOverAfter_s.
+/// the match, when other teams play, or when the game controller has been silent for
+/// RefereeStatus::kMatchOverAfter_s. Teams that switch colours continue their match.
 class MatchRule {
  public:
   enum class Wish { kNone, kRecord, kPause };
@@ -34,7 +34,10 @@ class MatchRule {
   struct Match {
     std::array<std::string, 2> teams;
     int type = 0;
-    bool operator==(const Match&) const = default;
+    bool operator==(const Match& other) const {
+      return type == other.type &&
+             (teams == other.teams || (teams[0] == other.teams[1] && teams[1] == other.teams[0]));
+    }
   };
   std::optional<Match> match_;     // the current match
   std::optional<Match> left_out_;  // the excluded match, until it ends

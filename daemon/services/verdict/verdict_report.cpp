@@ -147,23 +147,19 @@ void report_roster(const VerdictFacts& facts, HealthReport& report) {
 }
 
 void report_allowed(const VerdictFacts& facts, HealthReport& report) {
-  if (facts.match_runs || facts.seen.watched_s < kWatched_s) return;
+  if (!facts.half_is_next || facts.seen.watched_s < kWatched_s) return;
   for (const Team team : {Team::kYellow, Team::kBlue}) {
     const auto allowed = facts.robots_allowed[static_cast<std::size_t>(team)];
     const std::size_t seen = facts.seen.field.on_field(team);
-    if (!allowed || static_cast<std::size_t>(*allowed) == seen) continue;
-    const bool is_few = seen < static_cast<std::size_t>(*allowed);
-    if (is_few && !roster_of(facts, team).empty()) continue;  // the roster's alert names the missing ones
+    if (!allowed || seen <= static_cast<std::size_t>(*allowed)) continue;
     add(report,
-        {.id = is_few ? "robots_few" : "robots_many",
+        {.id = "robots_many",
          .check = "robots",
          .severity = Severity::kWarn,
          .title = fmt::format("{}: {} seen, the game controller allows {}", name_of(team),
                               seen == 1 ? "1 robot is" : fmt::format("{} robots are", seen), *allowed),
-         .fix = is_few ? "Put the others on the field. If this team plays with fewer, list their ids "
-                         "(teams): then only these are expected."
-                       : "Take the others off the field, or behind their own goal into the substitution "
-                         "area, or correct the game controller.",
+         .fix = "Take the others off the field, or behind their own goal into the substitution area, or "
+                "correct the game controller.",
          .page = "#/settings/teams",
          .about = name_of(team)});
   }

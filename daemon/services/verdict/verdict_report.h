@@ -18,9 +18,10 @@ struct VerdictFacts {
   FieldWatch::Seen seen;
   Coverage coverage;
   std::array<std::optional<int>, 2> robots_allowed;  // by Team, from the game controller; none: unknown
-  // Before a match the check is strict: all robots that may play must be seen. During a match robots leave
-  // and come back, so only changes are reported.
+  // Before a match the check is strict: all robots of a roster must be seen. During a match robots leave and
+  // come back, so only changes are reported.
   bool match_runs = false;
+  bool half_is_next = false;  // teams take their places: no more robots than allowed may be on the field
   bool robots_are_handled = false;  // HALT or timeout: people may take robots off the field
 };
 

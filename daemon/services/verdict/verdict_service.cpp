@@ -44,6 +44,7 @@ void VerdictService::report(HealthReport& report) const {
                   .coverage = *coverage,
                   .robots_allowed = is_heard ? referee.robots_allowed : decltype(referee.robots_allowed){},
                   .match_runs = match_since.has_value(),
+                  .half_is_next = is_heard && referee.half_is_next(),
                   .robots_are_handled = referee.robots_are_handled},
                  report);
   if (!report.status) return;

@@ -57,6 +57,12 @@ TEST(RefereeListener, HearsTheNamesOfTheTeams) {
   EXPECT_EQ(status.refused, 0U);
 }
 
+TEST(RefereeListener, ATeamThatIsNotChosenYetHasNoName) {
+  Listener listener;
+  listener.receive(message("Unknown", "KIKS"));
+  EXPECT_THAT(listener.referee.team_names(), ElementsAre("", "KIKS"));
+}
+
 TEST(RefereeListener, RemovesControlCharactersFromNames) {
   Listener listener;
   listener.receive(message("MRL\u202e\x1b[2J", "KI\u0085KS\n", "\u2066field"));
@@ -201,6 +207,8 @@ TEST(RefereeListener, AMatchLastsFromItsFirstHalfToItsEndWithAllBreaks) {
     referee.set_stage(stage);
     listener.receive(referee.SerializeAsString());
     EXPECT_EQ(listener.referee.status(100).is_in_match(), stage != 0 && stage != 13) << stage;
+    const bool half_is_next = stage == 0 || stage == 3 || stage == 6 || stage == 9;
+    EXPECT_EQ(listener.referee.status(100).half_is_next(), half_is_next) << stage;
   }
   listener.receive(message("MRL", "KIKS"));
   EXPECT_TRUE(listener.referee.status(100).match_runs());

@@ -38,7 +38,7 @@ TEST(MatchRule, RecordsFromTheFirstCommandToTheEndAndPausesInBreaks) {
 TEST(MatchRule, NeedsBothNames) {
   MatchRule rule;
   EXPECT_EQ(rule.look(referee(kFirstHalf, false, "")), Wish::kNone);
-  EXPECT_EQ(rule.look(referee(kFirstHalf, false, "Immortals", "Unknown")), Wish::kNone);
+  EXPECT_EQ(rule.look(referee(kFirstHalf, false, "Immortals", "")), Wish::kNone);
 }
 
 TEST(MatchRule, ASilentGameControllerEndsTheMatchOnlyLater) {
@@ -57,6 +57,19 @@ TEST(MatchRule, AnotherTeamNameStartsAnotherMatch) {
   EXPECT_EQ(rule.look(referee(kFirstHalf, true, "Another")), Wish::kNone) << "which begins when HALT is over";
   EXPECT_EQ(rule.look(referee(kFirstHalf, false, "Another")), Wish::kRecord);
   EXPECT_EQ(rule.name(), "GROUP_PHASE_Another-vs-TIGERs");
+}
+
+TEST(MatchRule, TeamsThatSwitchColoursContinueTheirMatch) {
+  MatchRule rule;
+  ASSERT_EQ(rule.look(referee(kFirstHalf, false)), Wish::kRecord);
+  const int number = rule.number();
+  ASSERT_EQ(rule.look(referee(kHalfTime, true)), Wish::kPause);
+  EXPECT_EQ(rule.look(referee(kHalfTime, true, "TIGERs", "Immortals")), Wish::kPause);
+  EXPECT_EQ(rule.look(referee(kSecondHalf, true, "TIGERs", "Immortals")), Wish::kRecord);
+  EXPECT_EQ(rule.number(), number);
+  EXPECT_EQ(rule.name(), "GROUP_PHASE_Immortals-vs-TIGERs");
+  rule.leave_match_out();
+  EXPECT_EQ(rule.look(referee(kSecondHalf, false)), Wish::kNone) << "as they were";
 }
 
 TEST(MatchRule, AnotherMatchIsAnotherOneWhateverItsFileIsCalled) {

@@ -51,6 +51,7 @@ struct Input {
   FieldWatch::Seen seen;
   Coverage coverage;
   std::array<std::optional<int>, 2> robots_allowed{};
+  bool half_is_next = true;
   bool match_runs = false, robots_are_handled = false;
 };
 
@@ -69,9 +70,9 @@ HealthReport report_of(const Input& input) {
   }
   config->teams = input.teams;
   HealthReport report;
-  report_verdict(
-      {*config, input.seen, input.coverage, input.robots_allowed, input.match_runs, input.robots_are_handled},
-      report);
+  report_verdict({*config, input.seen, input.coverage, input.robots_allowed, input.match_runs,
+                  input.half_is_next, input.robots_are_handled},
+                 report);
   report_cameras(cameras, report);
   report_calibrations(calibrations, report);
   report_colors(colors, input.lost_tables, report);
@@ -640,18 +641,16 @@ TEST_F(Checks, ACameraThatIsNotCalibratedIsNoGo) {
   EXPECT_FALSE(is_go());
 }
 
-TEST_F(Checks, BeforeAMatchAsManyRobotsAsMayPlayAreExpected) {
+TEST_F(Checks, BeforeAHalfNoMoreRobotsThanMayPlayAreExpected) {
   input_.robots_allowed = {3, 3};  // 3 and 2 are seen
-  EXPECT_EQ(only_alert().id, "robots_few");
-  EXPECT_EQ(only_alert().title, "blue: 2 robots are seen, the game controller allows 3");
-  EXPECT_EQ(check("robots").state, CheckState::kWarn);
-  EXPECT_TRUE(is_go());
-  input_.teams.blue.ids = {4, 5};
-  EXPECT_THAT(kinds(), IsEmpty()) << "this team plays with two";
+  EXPECT_THAT(kinds(), IsEmpty()) << "a team may play with fewer";
   input_.robots_allowed = {2, 2};
   EXPECT_EQ(only_alert().id, "robots_many");
-  input_.match_runs = true;  // robots leave within seconds of a card
-  EXPECT_THAT(kinds(), IsEmpty());
+  EXPECT_EQ(only_alert().title, "yellow: 3 robots are seen, the game controller allows 2");
+  EXPECT_EQ(check("robots").state, CheckState::kWarn);
+  EXPECT_TRUE(is_go());
+  input_.half_is_next = false;
+  EXPECT_THAT(kinds(), IsEmpty()) << "robots leave within seconds of a card, and after the match";
 }
 
 TEST_F(Checks, RobotsThatWaitBehindTheirGoalDoNotCount) {
@@ -660,10 +659,10 @@ TEST_F(Checks, RobotsThatWaitBehindTheirGoalDoNotCount) {
   EXPECT_THAT(kinds(), IsEmpty());
   EXPECT_EQ(check("robots").value, "2 / 2");
   EXPECT_EQ(check("robots").text, "and a ball; 1 / 0 more wait behind their own goals; 2 / 2 may play");
+  input_.robots_allowed = {2, 1};
+  EXPECT_EQ(only_alert().title, "blue: 2 robots are seen, the game controller allows 1");
   input_.seen.field.waiting = {{{1}, {4}}};
-  EXPECT_EQ(only_alert().title, "blue: 1 robot is seen, the game controller allows 2");
-  input_.teams.blue.ids = {4, 5};
-  EXPECT_THAT(kinds(), IsEmpty()) << "both are seen";
+  EXPECT_THAT(kinds(), IsEmpty());
 }
 
 TEST_F(Checks, DuringAMatchAnUnseenTeamIsNoPass) {
