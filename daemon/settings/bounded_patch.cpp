@@ -68,6 +68,13 @@ std::size_t work_on_the_way(const Json& document, std::string_view path) {
   return work;
 }
 
+[[noreturn]] void refuse_shape(const Json& found) {
+  throw SettingsError(fmt::format(
+      "not a JSON Patch that fits the settings: {} is not allowed; expected a list of objects such as "
+      R"([{{"op": "replace", "path": "/site", "value": "Field 2"}}])",
+      shortened(json_text(found))));
+}
+
 }  // namespace
 
 Json apply_patch(Json document, const Json& patch, const PatchLimits& limits) {
@@ -75,10 +82,11 @@ Json apply_patch(Json document, const Json& patch, const PatchLimits& limits) {
     throw SettingsError(fmt::format("a JSON Patch with {} than {} is not allowed", what, most));
   };
   try {
-    if (patch.is_array() && patch.size() > limits.operations) refuse("more operations", limits.operations);
+    if (!patch.is_array()) refuse_shape(patch);
+    if (patch.size() > limits.operations) refuse("more operations", limits.operations);
     std::size_t size = extent_of(document, limits.size).size, work = 0;
-    if (!patch.is_array()) document.patch_inplace(patch);  // throws with the reason
     for (const Json& operation : patch) {
+      if (!operation.is_object()) refuse_shape(operation);
       const std::string op = text_of(operation, "op"), path = text_of(operation, "path"),
                         from = text_of(operation, "from");
       const Json* value = nullptr;  // the value that the operation reads or moves
@@ -86,7 +94,7 @@ Json apply_patch(Json document, const Json& patch, const PatchLimits& limits) {
       if (value_is_elsewhere) {
         const Json::json_pointer place(from);
         if (document.contains(place)) value = &document.at(place);
-      } else if (operation.is_object() && operation.contains("value")) {
+      } else if (operation.contains("value")) {
         value = &operation.at("value");
       }
       const JsonExtent extent = value != nullptr ? extent_of(*value, limits.size) : JsonExtent{};

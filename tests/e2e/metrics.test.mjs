@@ -163,7 +163,10 @@ describe('monitoring', () => {
     };
     const second = await open('?second'), socket = await open('');
     await becomes(metrics, (families) => value(families, 'sslv_preview_clients') === 1);
+    const connections = async () => (await (await fetch(service.address('api/diagnostics'))).json()).web.connections;
+    const before = await connections();
     second.destroy();
+    await becomes(connections, (now) => now < before);
     assert.equal(value(await metrics(), 'sslv_preview_clients'), 1);
     socket.destroy();
     await becomes(metrics, (families) => value(families, 'sslv_preview_clients') === 0);

@@ -179,7 +179,8 @@ void StatusService::add_diagnostics(Json& diagnostics) const {
 }
 
 void StatusService::write_metrics(MetricsText& out) const {
-  out.begin("sslv_preview_clients", "gauge", "Panels and other viewers connected by WebSocket.");
+  out.begin("sslv_preview_clients", "gauge",
+            "Panels and other viewers connected by WebSocket, without second connections.");
   out.add({}, static_cast<double>(web_.viewers.load()));
   out.begin("sslv_web_unsent_total", "counter",
             "Answers, images and requests that were dropped because too many waited for slow clients.");

@@ -50,6 +50,8 @@ TEST(BoundedPatch, SaysWhatDoesNotFit) {
         Json::array({op("add", "no pointer", 1)}), Json::array({{{"op", 1}, {"path", 2}}})}) {
     EXPECT_THAT(refusal_of({{"a", 1}}, patch), HasSubstr("not a JSON Patch that fits")) << patch;
   }
+  for (const Json& patch : {Json(7), Json::object(), Json::array({1})})
+    EXPECT_THAT(refusal_of({{"a", 1}}, patch), HasSubstr("expected a list of objects")) << patch;
 }
 
 TEST(BoundedPatch, CopiesThatDoubleEndBeforeMemoryDoes) {
