@@ -265,7 +265,7 @@ double BallMemory::over_time(std::size_t number, double confidence) noexcept {
   double mean = logit;
   if (now_s_ - entry.rated_s < kTrackS) {
     double before = std::clamp(entry.logit, kLeastLogit, kMostLogit);
-    if (may_be_fixed) {
+    if (may_be_fixed && entry.rated_s < before_s_ && before_s_ < now_s_) {
       // In the images since then, it did not even resemble a ball.
       const double images = (now_s_ - entry.rated_s) / (now_s_ - before_s_) - 1;
       before = kLeastLogit + std::pow(1 - kNewest, std::round(images)) * (before - kLeastLogit);

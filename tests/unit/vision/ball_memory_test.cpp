@@ -188,12 +188,14 @@ TEST(BallMemory, ConfidenceOverTime) {
 
 TEST(BallMemory, ConfidenceBelongsToOneObject) {
   BallMemory memory;
+  memory.begin(1);
+  see(memory, 3000, 0, -1000);
   for (int i = 0; i < 20; ++i) {
-    memory.begin(10 + i * kFrameS);
+    memory.begin(20 + i * kFrameS);
     memory.over_time(see(memory, 0, 0, -1000).number, 0.9999);
   }
   // Something larger appears beside the resting ball, so its region is the first in the list.
-  memory.begin(10.4);
+  memory.begin(20.4);
   const BallMemory::Object ball{0, 0, -1000, kOrange, kRound, true},
       other{50, 0, -1000, kOrange, kRound, true};
   const auto known = memory.see_again(ball);
@@ -202,11 +204,19 @@ TEST(BallMemory, ConfidenceBelongsToOneObject) {
   EXPECT_NEAR(memory.over_time(memory.see_elsewhere(other).number, 0.1), 0.1, 1e-9);
   EXPECT_GT(memory.over_time(known->number, 0.1), 0.5);
   // More objects than are remembered.
-  memory.begin(10.5);
+  memory.begin(20.5);
   for (int i = 0; i < 200; ++i) {
     const double confidence = i % 2 == 0 ? 0.99 : 0.02;
     EXPECT_NEAR(memory.over_time(see(memory, 500 + 200.0 * i, 0, -1000).number, confidence), confidence,
                 1e-9);
+  }
+}
+
+TEST(BallMemory, ImagesOfTheSameTimeAreHarmless) {
+  BallMemory memory;
+  for (int i = 0; i < 10; ++i) {
+    memory.begin(10);
+    EXPECT_NEAR(memory.over_time(see(memory, 0, 0, -1000).number, 0.3), 0.3, 1e-9);
   }
 }
 

@@ -667,6 +667,7 @@ TEST_F(Checks, RobotsThatWaitBehindTheirGoalDoNotCount) {
 
 TEST_F(Checks, DuringAMatchAnUnseenTeamIsNoPass) {
   input_.match_runs = true;
+  input_.half_is_next = false;
   input_.seen.field.team_gone_s[1] = 2.5;
   EXPECT_THAT(kinds(), IsEmpty()) << "a moment";
   input_.seen.field.team_gone_s[1] = 3.5;
