@@ -45,6 +45,8 @@ class MatchEventFinder {
 
   /// Appends the events of this message to `out`.
   void add(const LoggedMessage& message, std::vector<MatchEvent>& out);
+  /// The uuid of the tracker that it follows; empty before one was heard.
+  const std::string& tracker() const { return tracker_.source; }
 
  private:
   struct Followed {

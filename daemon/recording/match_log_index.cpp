@@ -58,6 +58,7 @@ Json to_json(const MatchLogIndex& index) {
           {"last_ns", index.last_ns},
           {"points", std::move(points)},
           {"events", std::move(events)},
+          {"tracker_crc32", index.tracker_sum},
           {"problem", index.problem}};
 }
 
@@ -98,6 +99,7 @@ MatchLogIndex index_of(const Json& json) {
     index.events.push_back({time(event.at("time_ns")), event_kind(event.at("kind").get<std::string>()),
                             shortened(event.at("text").get<std::string>(), kMaxTextBytes)});
   }
+  index.tracker_sum = static_cast<std::uint32_t>(count(json.at("tracker_crc32")));
   index.problem = shortened(json.at("problem").get<std::string>(), SettingsError::kMaxBytes);
   return index;
 }
@@ -122,6 +124,13 @@ void MatchLogIndexMaker::add(const LoggedMessage& message, std::uint64_t offset,
     ++index_.messages[message.type];
   index_.unpacked_bytes = offset + kMessageHeaderBytes + message.bytes.size();
   events_.add(message, index_.events);
+  if (index_.tracker_sum == 0 && message.type == LoggedMessage::kTracker2020)
+    index_.tracker_sum = tracker_sum_of(events_.tracker());
+}
+
+std::uint32_t tracker_sum_of(std::string_view uuid) {
+  return static_cast<std::uint32_t>(
+      crc32(0, reinterpret_cast<const Bytef*>(uuid.data()), static_cast<uInt>(uuid.size())));
 }
 
 MatchLogIndex make_match_log_index(const fs::path& log, const std::stop_token& stop) {

@@ -33,6 +33,7 @@ struct MatchLogIndex {
   std::int64_t first_ns = 0, last_ns = 0;          // Unix time of the first message; latest Unix time
   std::vector<MatchLogPoint> points;               // in the file's order
   std::vector<MatchEvent> events;
+  std::uint32_t tracker_sum = 0;  // CRC-32 of the uuid of the first tracker from which events are; 0: none
   std::string problem;  // why the log could not be read to its end; empty when it could
 
   bool operator==(const MatchLogIndex&) const = default;
@@ -58,6 +59,9 @@ class MatchLogIndexMaker {
   std::uint64_t messages_ = 0;
   std::uint64_t between_points_ = 512 * 1024;  // minimum distance, in unpacked bytes
 };
+
+/// MatchLogIndex::tracker_sum of a tracker.
+std::uint32_t tracker_sum_of(std::string_view uuid);
 
 /// Reads the whole log. Throws StorageError like MatchLogReader, and on a stop request.
 MatchLogIndex make_match_log_index(const std::filesystem::path& log, const std::stop_token& stop = {});

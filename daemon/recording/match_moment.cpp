@@ -283,9 +283,11 @@ std::optional<Json> MatchMoments::at(double at_s, const std::stop_token& stop) {
       camera["time_s"] = time_s;
     } else if (message.type == LoggedMessage::kTracker2020 && parse(tracker, message.bytes) &&
                tracker.has_tracked_frame()) {
-      // Of several trackers, uses the one with the smallest uuid.
-      if (out["tracked"].is_null() || tracker.uuid() < tracker_source) tracker_source = tracker.uuid();
-      if (tracker.uuid() == tracker_source) out["tracked"] = tracked_json(tracker.tracked_frame());
+      // Of several trackers, shows the one from which the events are; while it is silent, another one.
+      const bool is_first = tracker_sum_of(tracker.uuid()) == index_->tracker_sum;
+      if (!is_first && !out["tracked"].is_null() && tracker.uuid() != tracker_source) continue;
+      tracker_source = tracker.uuid();
+      out["tracked"] = tracked_json(tracker.tracked_frame());
     }
   }
   for (auto& [id, camera] : cameras) out["cameras"].push_back(std::move(camera));

@@ -72,7 +72,7 @@ class MatchMomentTest : public testing::Test {
         robot->mutable_pos()->set_y(0);
         robot->set_orientation(1);
         const std::string tracked = packet.SerializeAsString();
-        packet.set_uuid("another tracker, which sends first");
+        packet.set_uuid("the tracker that sends first");
         robot->mutable_pos()->set_x(2.5);
         add(at_s + 0.005, LoggedMessage::kTracker2020, packet.SerializeAsString());
         add(at_s + 0.01, LoggedMessage::kTracker2020, tracked);
@@ -101,7 +101,7 @@ TEST_F(MatchMomentTest, HasTheStateAtThatTime) {
   EXPECT_NEAR(five["cameras"][1]["time_s"].get<double>(), 5, 1e-6);
   EXPECT_NEAR(five["cameras"][1]["balls"][0]["x"].get<double>(), 500, 1e-3);
   EXPECT_EQ(five["tracked"]["robots"][0]["team"], "blue");
-  EXPECT_NEAR(five["tracked"]["robots"][0]["x"].get<double>(), 1500, 1e-3);
+  EXPECT_NEAR(five["tracked"]["robots"][0]["x"].get<double>(), 2500, 1e-3) << "events are from this tracker";
   EXPECT_EQ(five["referee"]["command"], "Stop");
   EXPECT_EQ(five["referee"]["yellow"]["score"], 0);
   EXPECT_EQ(five["field"]["length"], 9000);
