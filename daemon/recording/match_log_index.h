@@ -34,7 +34,7 @@ struct MatchLogIndex {
   std::vector<MatchLogPoint> points;               // in the file's order
   std::vector<MatchEvent> events;
   std::uint32_t tracker_sum = 0;  // CRC-32 of the uuid of the first tracker from which events are; 0: none
-  std::string problem;  // why the log could not be read to its end; empty when it could
+  std::string problem;            // why the log could not be read to its end; empty when it could
 
   bool operator==(const MatchLogIndex&) const = default;
 };
