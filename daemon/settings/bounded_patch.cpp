@@ -2,6 +2,7 @@
 #include "settings/bounded_patch.h"
 
 #include "base/error.h"
+#include "base/params_json.h"
 
 #include <algorithm>
 #include <charconv>
@@ -69,10 +70,8 @@ std::size_t work_on_the_way(const Json& document, std::string_view path) {
 }
 
 [[noreturn]] void refuse_shape(const Json& found) {
-  throw SettingsError(fmt::format(
-      "not a JSON Patch that fits the settings: {} is not allowed; expected a list of objects such as "
-      R"([{{"op": "replace", "path": "/site", "value": "Field 2"}}])",
-      shortened(json_text(found))));
+  refuse("not a JSON Patch that fits the settings", found,
+         R"(a list of objects such as [{"op": "replace", "path": "/site", "value": "Field 2"}])");
 }
 
 }  // namespace
