@@ -123,9 +123,15 @@ std::string agreement_text(const Json& agreement) {
   rows.clear();
   for (const Json& camera : agreement.at("cameras"))
     rows.push_back({std::to_string(camera.at("camera").get<int>()), rounded(camera.at("time_offset_ms"), 2),
+                    fmt::format("{:.0f}", 100 * camera.at("evenness").get<double>()),
                     rounded(camera.at("error_mm"), 2)});
-  if (!rows.empty())
-    out += "\n" + table_text({{"camera"}, {"its times are late by ms", true}, {"taken off mm", true}}, rows);
+  if (!rows.empty()) {
+    out += "\n" + table_text({{"camera"},
+                              {"its times are late by ms", true},
+                              {"evened out by %", true},
+                              {"taken off mm", true}},
+                             rows);
+  }
   rows.clear();
   for (const Json& robot : agreement.at("heights")) {
     rows.push_back({robot_name(robot), rounded(robot.at("more_mm"), 1), rounded(robot.at("sigma_mm"), 1)});

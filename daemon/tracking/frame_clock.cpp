@@ -57,8 +57,8 @@ double FrameClock::time_of(double t_capture_s) noexcept {
 }
 
 double FrameClock::sigma_s() const noexcept {
-  constexpr double kLeast_s = 0.02e-3, kSettles = 0.12;  // share of the jitter that remains once settled
-  return std::max(kLeast_s, kSettles * jitter_s_);
+  constexpr double kSettles = 0.12;  // share of the jitter that remains once settled
+  return std::max(kLeastSigma_s, kSettles * jitter_s_);
 }
 
 }  // namespace sslv

@@ -12,6 +12,8 @@ class FrameClock {
   double time_of(double t_capture_s) noexcept;
   /// Deviation of the stamps from the constant rate (rms, s).
   double jitter_s() const noexcept { return jitter_s_; }
+  /// Smallest sigma of any time (s).
+  static constexpr double kLeastSigma_s = 0.02e-3;
   /// Sigma of the estimated times (s).
   double sigma_s() const noexcept;
 

@@ -52,11 +52,12 @@ struct ArrivedSightings {
   std::uint64_t left_out = 0;       // number of dropped robots and balls
 };
 
-/// Capture time of an image, estimated from the constant rate of its camera (see FrameClock). Empty if the
-/// image was dropped.
+/// Capture time of an image, estimated from its time stamp and the rate of its camera (see Clocks). Empty if
+/// the image was dropped.
 struct ImageTime {
   std::optional<double> t_s;
   double sigma_s = 0;
+  double evenness = 0;  // see Evenness::share()
 };
 
 /// Measurement of a robot, corrected by its camera's known errors.

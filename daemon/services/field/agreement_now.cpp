@@ -45,7 +45,8 @@ void write_now(CameraAgreement& agreement, double now_s, AgreementNow& out) noex
       ++places;
     }
     out.cameras[out.camera_count++] = {id, agreement.time_offset_s(id),
-                                       places > 0 ? std::sqrt(squares / places) : 0};
+                                       places > 0 ? std::sqrt(squares / places) : 0,
+                                       agreement.evenness_of(id)};
   });
   out.height_count = 0;
   agreement.for_heights([&](const RobotName& name, const CameraAgreement::Height& height) {
@@ -95,7 +96,8 @@ Json to_json(const AgreementNow& now) {
     const auto& one = now.cameras[i];
     out["cameras"].push_back({{"camera", one.id},
                               {"time_offset_ms", to_hundredths(one.time_offset_s * 1e3)},
-                              {"error_mm", to_hundredths(one.error_mm)}});
+                              {"error_mm", to_hundredths(one.error_mm)},
+                              {"evenness", to_hundredths(one.evenness)}});
   }
   for (std::size_t i = 0; i < now.height_count; ++i) {
     const auto& one = now.heights[i];

@@ -22,6 +22,7 @@ struct AgreementNow {
     int id;
     double time_offset_s;
     double error_mm;  // RMS correction of its positions where other cameras see the same places
+    double evenness;  // see Evenness::share()
   };
   struct Height {
     int team, id;
