@@ -15,6 +15,7 @@ void Agreement::process(const Params&, const CameraSightings& seen, const ImageT
   if (!time.t_s) return;
   const double t_s = *time.t_s;
   learnt.set_camera(seen.camera, seen.camera_mm, seen.is_of_other_computer);
+  learnt.set_evenness(seen.camera, time.evenness);
   constexpr double kSetBack_s = 1;
   if (newest_s_ && t_s < *newest_s_ - kSetBack_s) newest_s_.reset();
   if (newest_s_ && t_s > *newest_s_) learnt.follow(t_s - *newest_s_);

@@ -64,8 +64,9 @@ std::optional<int> CameraAgreement::place_for_camera() {
 void CameraAgreement::forget_sightings(int camera) {
   std::erase_if(differences_,
                 [&](const auto& one) { return one.first.camera == camera || one.first.other == camera; });
-  std::erase_if(surprises_,
-                [&](const auto& one) { return one.first.first == camera || one.first.second == camera; });
+  const auto is_of = [&](const auto& one) { return one.first.first == camera || one.first.second == camera; };
+  std::erase_if(surprises_, is_of);
+  std::erase_if(overlaps_, is_of);
   for (auto& [name, track] : tracks_) track.by_camera.erase(camera);
 }
 
@@ -83,6 +84,15 @@ void CameraAgreement::set_camera(int camera, const Eigen::Vector3d& center_mm, b
   cameras_.insert_or_assign(camera, made);
   forget(made, kErrorMm);
   forget_sightings(camera);
+}
+
+void CameraAgreement::set_evenness(int camera, double share) {
+  if (const auto known = cameras_.find(camera); known != cameras_.end()) known->second.evenness = share;
+}
+
+double CameraAgreement::evenness_of(int camera) const {
+  const auto known = cameras_.find(camera);
+  return known == cameras_.end() ? 0 : known->second.evenness;
 }
 
 Eigen::Matrix<double, CameraAgreement::kTerms, 1> CameraAgreement::terms(const Camera& camera,
@@ -169,9 +179,11 @@ bool CameraAgreement::compare(const Pair& pair, const Track& track) {
   const Camera &a = cameras_.at(pair.a), &b = cameras_.at(pair.b);
   // A camera cannot see the top of a robot that is as high as the camera.
   if (std::min(a.center_mm.z(), b.center_mm.z()) < pair.height_mm + limits::kMinAboveRobotMm) return true;
-  const auto terms_a = terms(a, pair.place_a_mm), terms_b = terms(b, pair.place_b_mm);
-  const Vector2d higher =
-      outwards(a, pair.place_a_mm, pair.height_mm) - outwards(b, pair.place_b_mm, pair.height_mm);
+  // The same place for both cameras: otherwise errors common to both, which would move all robots closer
+  // together, would explain the difference.
+  const Vector2d place = (pair.place_a_mm + pair.place_b_mm) / 2;
+  const auto terms_a = terms(a, place), terms_b = terms(b, place);
+  const Vector2d higher = outwards(a, place, pair.height_mm) - outwards(b, place, pair.height_mm);
   const Vector2d apart = pair.place_a_mm - pair.place_b_mm;
   /// Larger distances mean two robots, one of them misread.
   constexpr double kSameRobotMm = 150;
@@ -270,6 +282,18 @@ void CameraAgreement::note_difference(const Pair& pair, const Vector2d& off_mm) 
   const Vector2d off = is_swapped ? Vector2d(-off_mm) : off_mm;
   one.off_mm += (off - one.off_mm) / one.samples;
   one.t_s = pair.t_s;
+  constexpr double kSure = 5, kForgets = 0.01;
+  if (one.samples < kSure) return;
+  Overlap& overlap = overlaps_[{key.camera, key.other}];
+  const Vector2d here = (pair.place_a_mm + pair.place_b_mm) / 2;
+  overlap.parts.extend(here);
+  // The estimates are from earlier comparisons, so this one can tell whether they are of use.
+  const Vector2d estimate = estimate_of(cameras_.at(pair.a), here) - estimate_of(cameras_.at(pair.b), here);
+  overlap.corrected_mm2 += kForgets * ((off_mm - estimate).squaredNorm() - overlap.corrected_mm2);
+  overlap.uncorrected_mm2 += kForgets * (off_mm.squaredNorm() - overlap.uncorrected_mm2);
+  const double differs_mm = one.off_mm.norm();
+  overlap.differs_mm =
+      std::max(differs_mm, overlap.differs_mm + kForgets * (differs_mm - overlap.differs_mm));
 }
 
 void CameraAgreement::forget_differences(double before_s) {
@@ -289,18 +313,62 @@ void CameraAgreement::follow(double passed_s) {
     }
   };
   for (const auto& [id, camera] : cameras_) {
+    // What no difference shows returns to zero.
+    states_.segment(camera.at, kPerCamera) *= 1 - share;
     forget_some(camera.at, 2 * kTerms, kErrorMm);
     forget_some(camera.at + 2 * kTerms, 1, kOffset_s);
   }
   for (const auto& [name, track] : tracks_) forget_some(track.at, 1, kHeightMm);
 }
 
+Vector2d CameraAgreement::estimate_of(const Camera& camera, const Vector2d& place_mm) const {
+  const auto at = terms(camera, place_mm);
+  return {taken_off_.segment<kTerms>(camera.at).dot(at),
+          taken_off_.segment<kTerms>(camera.at + kTerms).dot(at)};
+}
+
+/// Small errors are corrected as estimated. If cameras differ much, the estimates hold only for differences:
+/// these are shared between the cameras that see a place, so that the errors that all cameras have in common
+/// stay as they are. Where only one camera sees robots, nothing confirms the estimates, so corrections are
+/// small.
 Vector2d CameraAgreement::error_of(int camera, const Vector2d& place_mm) const {
+  constexpr double kFadesMm = 700, kFarMm = 3.5, kMore = 1.5, kSmallMm = 12;
   const auto here = cameras_.find(camera);
   if (here == cameras_.end()) return {0, 0};
-  const auto at = terms(here->second, place_mm);
-  const int first = here->second.at;
-  return {taken_off_.segment<kTerms>(first).dot(at), taken_off_.segment<kTerms>(first + kTerms).dot(at)};
+  const auto at_most = [](const Vector2d& error, double most_mm) -> Vector2d {
+    const double length = error.norm();
+    return length <= most_mm ? error : Vector2d(error * (most_mm / length));
+  };
+  const bool is_of_other = here->second.is_of_other_computer;
+  const Vector2d own = estimate_of(here->second, place_mm);
+  Vector2d shared(0, 0), from_ours(0, 0);  // sums, by the weights of the other cameras
+  double sharing = 1, ours = 0, nearest = 0, differs_mm = 0;
+  bool is_confirmed = false;
+  for (const auto& [pair, overlap] : overlaps_) {
+    if (pair.first != camera && pair.second != camera) continue;
+    const int other = pair.first == camera ? pair.second : pair.first;
+    const Camera& there = cameras_.at(other);
+    // Other computers' cameras do not correct ours.
+    if ((there.is_of_other_computer && !is_of_other) || overlap.corrected_mm2 > overlap.uncorrected_mm2)
+      continue;
+    is_confirmed = true;
+    const double away = overlap.parts.exteriorDistance(place_mm) / kFadesMm, weight = std::exp(-away * away);
+    const Vector2d apart = at_most(own - estimate_of(there, place_mm), kMore * overlap.differs_mm + kFarMm);
+    nearest = std::max(nearest, weight);
+    differs_mm = std::max(differs_mm, weight * overlap.differs_mm);
+    if (is_of_other && !there.is_of_other_computer) {
+      from_ours += weight * (apart + error_of(other, place_mm));
+      ours += weight;
+    } else {
+      shared += weight * apart;
+      sharing += weight;
+    }
+  }
+  if (!is_confirmed) return {0, 0};
+  const Vector2d near = ours > 0 ? Vector2d(from_ours * (nearest / ours)) : Vector2d(shared / sharing);
+  const Vector2d far = at_most(own, kFarMm), all = at_most(own, kFarMm + differs_mm);
+  const double much = std::clamp(differs_mm / kSmallMm - 1, 0.0, 1.0);
+  return (1 - much) * all + much * (near + (1 - nearest) * far);
 }
 
 Vector2d CameraAgreement::height_error_of(int camera, const RobotName& robot, const Vector2d& place_mm,
@@ -308,7 +376,10 @@ Vector2d CameraAgreement::height_error_of(int camera, const RobotName& robot, co
   const auto here = cameras_.find(camera);
   const auto known = tracks_.find(robot);
   if (here == cameras_.end() || known == tracks_.end()) return {0, 0};
-  return taken_off_[known->second.at] * outwards(here->second, place_mm, height_mm);
+  // A larger height is another error.
+  constexpr double kMaxMm = 15;
+  return std::clamp(taken_off_[known->second.at], -kMaxMm, kMaxMm) *
+         outwards(here->second, place_mm, height_mm);
 }
 
 double CameraAgreement::time_offset_s(int camera) const {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace sslv {
 
@@ -46,6 +47,10 @@ class CameraAgreement {
   /// Sets the camera's position. Call it before see() for each image. A changed position means a new
   /// calibration: the camera's errors are reset.
   void set_camera(int camera, const Eigen::Vector3d& center_mm, bool is_of_other_computer = false);
+
+  /// Notes how far the camera's times are evened out (see Evenness::share()).
+  void set_evenness(int camera, double share);
+  double evenness_of(int camera) const;
 
   /// Compares the measurement with other cameras' measurements since this camera's previous image.
   void see(int camera, const Seen& seen);
@@ -95,6 +100,7 @@ class CameraAgreement {
     int at;  // index of its first state
     bool is_of_other_computer;
     std::uint64_t heard;  // value of heard_ at its last image
+    double evenness = 0;
   };
   struct Last {
     Eigen::Vector2d place_mm;
@@ -131,6 +137,7 @@ class CameraAgreement {
   void keep_own();
   void begin_again();
   void note_difference(const Pair& pair, const Eigen::Vector2d& off_mm);
+  Eigen::Vector2d estimate_of(const Camera& camera, const Eigen::Vector2d& place_mm) const;
 
   std::map<int, Camera> cameras_;
   std::uint64_t heard_ = 0;  // counts the images of all cameras
@@ -142,7 +149,14 @@ class CameraAgreement {
     }
   };
   std::map<PartKey, Difference> differences_;
-  std::map<std::pair<int, int>, int> surprises_;  // recent outliers for each pair of cameras
+  /// Where two cameras have compared robots, and how far they differ there at most.
+  struct Overlap {
+    Eigen::AlignedBox2d parts;
+    double differs_mm = 0;
+    double corrected_mm2 = 0, uncorrected_mm2 = 0;  // mean squares of recent differences
+  };
+  std::map<std::pair<int, int>, Overlap> overlaps_;  // by pair of cameras
+  std::map<std::pair<int, int>, int> surprises_;     // recent outliers for each pair of cameras
   Eigen::VectorXd states_, taken_off_;
   Eigen::MatrixXd cov_;
   std::uint64_t repaired_ = 0;

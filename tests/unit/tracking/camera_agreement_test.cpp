@@ -56,6 +56,32 @@ TEST_F(TwoCameras, AreAligned) {
   EXPECT_LT(apart_mm({200, 1000}, off), 0.3);
 }
 
+/// Both cameras see everything 20 mm too far out, which only their overlap shows. What they have in common,
+/// and what no other camera sees, is not made worse.
+TEST_F(TwoCameras, ThatSeeTooFarOutAreCorrectedOnlyWhereBothSee) {
+  const Vector2d centers[]{{-2000, 0}, {2000, 0}};
+  const auto seen_by = [&](int camera, const Vector2d& at) -> Vector2d {
+    return at + 20 * (at - centers[camera]).normalized();
+  };
+  for (const double until_s = t_s_ + 200; t_s_ < until_s; t_s_ += 0.01) {
+    for (int id = 0; id < 6; ++id) {
+      const RobotName robot{Team::kYellow, id};
+      agreement_.see(0, {robot, seen_by(0, place(id, t_s_)), 140, t_s_});
+      agreement_.see(1, {robot, seen_by(1, place(id, t_s_ + 0.005)), 140, t_s_ + 0.005});
+    }
+    agreement_.follow(0.01);
+  }
+  for (const double y_mm : {-1000.0, 0.0, 1000.0}) {
+    const Vector2d at(100, y_mm), a = seen_by(0, at), b = seen_by(1, at);
+    EXPECT_LT(((a - agreement_.error_of(0, a)) - (b - agreement_.error_of(1, b))).norm(), 10) << y_mm;
+  }
+  constexpr double kFarMm = 4;
+  for (const double x_mm : {3000.0, 5000.0}) {
+    EXPECT_LT(agreement_.error_of(0, {-x_mm, 500}).norm(), kFarMm) << x_mm;
+    EXPECT_LT(agreement_.error_of(1, {x_mm, 500}).norm(), kFarMm) << x_mm;
+  }
+}
+
 TEST_F(TwoCameras, ClockOffsetsAreSeparatedFromPositions) {
   play(60, {0, 0}, 0.6e-3);
   EXPECT_NEAR(agreement_.time_offset_s(1) - agreement_.time_offset_s(0), 0.6e-3, 0.15e-3);
