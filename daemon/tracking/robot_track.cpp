@@ -14,7 +14,8 @@ using Eigen::Matrix2d, Eigen::Matrix3d, Eigen::Vector2d, Eigen::Vector3d;
 
 namespace {
 
-/// Robots change their acceleration all the time: spectral density of white jerk noise (mm2/s5, rad2/s5).
+/// Robots change their acceleration all the time: spectral density of white jerk noise (mm2/s5, rad2/s5), at
+/// least.
 constexpr double kJerk = 1e7, kTurnJerk = 2e4;
 /// A manoeuvre: the variance that it adds to the acceleration (mm2/s4); the time since it began; the
 /// innovations (in squares of sigmas) above which a weak or a full manoeuvre is assumed.
@@ -100,6 +101,7 @@ void RobotTrack::begin(const RobotObservation& first) {
   stands_mm_ = first.place_mm;
   stands_var_mm2_ = 1;
   stands_share_ = 0;
+  innovation_sigmas_.setZero();
   elsewhere_ = 0;
   other_s_ = -1e9;
   differences_.start(first.camera, first.t_s);
@@ -108,7 +110,8 @@ void RobotTrack::begin(const RobotObservation& first) {
 bool RobotTrack::is_finite() const {
   // Any non-finite term makes the sum non-finite. Off-diagonal terms reach the diagonal in the next step.
   return std::isfinite(state_.sum() + cov_.trace() + angle_.sum() + angle_cov_.trace() + stands_mm_.sum() +
-                       stands_var_mm2_ + stands_share_ + noise_factor_ + t_s_ + seen_s_ + stood_s_);
+                       stands_var_mm2_ + stands_share_ + noise_factor_ + jerk_factor_ + t_s_ + seen_s_ +
+                       stood_s_);
 }
 
 bool RobotTrack::is_sure() const {
@@ -135,7 +138,7 @@ void RobotTrack::predict(double t_s) {
   cov_.middleRows<2>(2) += passed_s * cov_.bottomRows<2>();
   cov_.leftCols<2>() += passed_s * cov_.middleCols<2>(2) + half_square * cov_.rightCols<2>();
   cov_.middleCols<2>(2) += passed_s * cov_.rightCols<2>();
-  cov_ += of_both_axes(kJerk * jerk_noise(passed_s));
+  cov_ += of_both_axes(jerk_factor_ * kJerk * jerk_noise(passed_s));
   const Matrix3d step = step_of(passed_s);
   angle_ = step * angle_;
   angle_cov_ = step * angle_cov_ * step.transpose() + kTurnJerk * jerk_noise(passed_s);
@@ -183,6 +186,15 @@ RobotTrack::Step RobotTrack::last_step() const {
   return out;
 }
 
+/// Successive innovations in the same direction: the filter follows too slowly. Measurement noise alone has
+/// no preferred direction.
+void RobotTrack::learn_jerk(const Vector2d& innovation_sigmas) {
+  constexpr double kLearns = 0.03, kUsual = 0.3, kMaxEach = 4, kMaxFactor = 100;
+  const double same = std::clamp(innovation_sigmas.dot(innovation_sigmas_), -kMaxEach, kMaxEach);
+  jerk_factor_ = std::clamp(jerk_factor_ * std::exp(kLearns * (same - kUsual)), 1.0, kMaxFactor);
+  innovation_sigmas_ = innovation_sigmas;
+}
+
 bool RobotTrack::add(const RobotObservation& sighting, const Circumstances& now, Step* step) {
   // A second measurement that cannot follow the first one replaces it, unless both have the same time.
   constexpr double kSecond_s = 0.25, kSameTime_s = 0.03;
@@ -221,6 +233,7 @@ bool RobotTrack::add(const RobotObservation& sighting, const Circumstances& now,
   constexpr double kUsual = 1.7, kMost = 6, kLearns = 0.03, kMaxNoise = 400;
   noise_factor_ =
       std::clamp(noise_factor_ * (1 + kLearns * (std::min(surprise, kMost) / kUsual - 1)), 1.0, kMaxNoise);
+  learn_jerk(off / std::sqrt(spread.trace() / 2));
   if (surprise > kRobotSurprise) {
     Matrix3d more = (surprise > kGreatSurprise ? 1 : 0.4) * kManoeuvre * manoeuvre_noise(kManoeuvreAge_s);
     if (now.touches && surprise > kPushSurprise)

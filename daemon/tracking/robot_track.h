@@ -68,6 +68,7 @@ class RobotTrack {
   bool is_now_at(const RobotObservation& sighting);
   void is_seen_here(const RobotObservation& sighting);
   void predict(double t_s);
+  void learn_jerk(const Eigen::Vector2d& innovation_sigmas);
   /// Updates the orientation; returns its covariance before the update, including a manoeuvre's.
   Eigen::Matrix3d turn(const RobotObservation& sighting);
   void stand(const RobotObservation& sighting, const Eigen::Matrix2d& noise, double moving_likelihood);
@@ -85,6 +86,9 @@ class RobotTrack {
   /// Factors on the variances that the fits report. They account for vibration, which no motion model
   /// explains.
   double noise_factor_ = 1, angle_noise_factor_ = 1;
+  /// Factor on the noise of the acceleration: robots differ in how suddenly they start and stop.
+  double jerk_factor_ = 1;
+  Eigen::Vector2d innovation_sigmas_{0, 0};  // the last one, in sigmas
   // The hypothesis that the robot stands still, and its probability.
   Eigen::Vector2d stands_mm_;
   double stands_var_mm2_ = 0, stands_share_ = 0, stood_s_ = 0;
