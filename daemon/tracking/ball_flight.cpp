@@ -49,7 +49,7 @@ struct Squares {
 void BallFlight::hop(const BallModel& model) {
   const double along = has_hopped ? model.later_hops_xy : model.first_hop_xy;
   // Relative uncertainty of a bounce: floors differ.
-  constexpr double kAlongSigma = 0.05, kUpSigma = 0.05;
+  constexpr double kAlongSigma = 0.2, kUpSigma = 0.1;
   Vector6 damps;
   damps << 1, 1, 0, along, along, -model.hops_z;
   const double speed = state.segment<2>(3).norm(), down = state[5];
@@ -68,12 +68,16 @@ void BallFlight::hop(const BallModel& model) {
   is_over = true;
 }
 
+double BallFlight::lands_after_s(const BallModel& model) const {
+  const double up = state[5], over_mm = std::max(0.0, state[2] - model.radius_mm);
+  return (up + std::sqrt(up * up + 2 * kGravity_mm_s2 * over_mm)) / kGravity_mm_s2;
+}
+
 void BallFlight::predict(double to_s, const BallModel& model) {
   double left_s = to_s - t_s;
   constexpr int kMaxHops = 5;
   for (int i = 0; i < kMaxHops && !is_over; ++i) {
-    const double up = state[5], over_mm = std::max(0.0, state[2] - model.radius_mm);
-    const double lands_s = (up + std::sqrt(up * up + 2 * kGravity_mm_s2 * over_mm)) / kGravity_mm_s2;
+    const double lands_s = lands_after_s(model);
     const bool lands = left_s > 0 && lands_s <= left_s;
     const double step_s = lands ? lands_s : left_s;
     state.head<3>() += state.tail<3>() * step_s;
@@ -96,9 +100,11 @@ void BallFlight::correct(const ShotPoint& seen, const BallModel& model) {
   predict(seen.t_s, model);
   const Vector2d slope = Sight(seen, model.radius_mm).slope;
   const double variance = variance_of(seen, state.segment<2>(3).norm());
+  double innovation = 0;
   const auto update = [&](const Vector6& row, double value, double noise) {
     const Vector6 along = cov * row;
     const double spread = row.dot(along) + noise, off = value - row.dot(state);
+    innovation += off * off / spread;
     state += along * (off / spread);
     cov -= (along * along.transpose() / spread).eval();
   };
@@ -107,6 +113,13 @@ void BallFlight::correct(const ShotPoint& seen, const BallModel& model) {
     row[axis] = 1;
     row[2] = -slope[axis];
     update(row, seen.place_mm[axis] - slope[axis] * model.radius_mm, variance);
+  }
+  // The ball bounces sooner than predicted.
+  constexpr double kFollows = 0.4, kMaxEach = 30, kSurprise = 10, kSoon_s = 0.06;
+  surprise += kFollows * (std::min(innovation, kMaxEach) - surprise);
+  if (surprise > kSurprise && state[5] < 0 && lands_after_s(model) < kSoon_s) {
+    hop(model);
+    surprise = kUsualSurprise;
   }
   if (std::isfinite(seen.height_sigma_mm)) {
     Vector6 row = Vector6::Zero();
@@ -121,6 +134,15 @@ void BallFlight::correct(const ShotPoint& seen, const BallModel& model) {
 bool BallFlight::is_doubtful() const {
   constexpr double kSigmas = 4;
   return lower_sigmas > kSigmas / std::sqrt(1 - kForgets * kForgets);
+}
+
+double BallFlight::rose_mm_s(const BallModel& model) const {
+  return std::hypot(state[5], std::sqrt(2 * kGravity_mm_s2 * std::max(0.0, state[2] - model.radius_mm)));
+}
+
+bool BallFlight::is_impossible(const BallModel& model) const {
+  constexpr double kFastest_mm_s = 7500;
+  return std::hypot(state.segment<2>(3).norm(), rose_mm_s(model)) > kFastest_mm_s;
 }
 
 void BallFlight::turn(double place_sigma_mm) {
@@ -202,6 +224,10 @@ std::optional<BallFlight> find_flight(std::span<const ShotPoint> points, const B
   out.state = flies;
   out.state.head<2>() += from;
   out.state[2] += model.radius_mm;
+  // No robot kicks straight up.
+  constexpr double kSteepest = 3;
+  if (out.is_impossible(model) || out.rose_mm_s(model) > kSteepest * out.state.segment<2>(3).norm())
+    return {};
   return out;
 }
 

@@ -84,6 +84,7 @@ void BallTrack::roll(const BallObservation& at, const Vector2d& velocity_mm_s, b
   flat_.began_mm_s = began_mm_s;
   held_count_ = 0;
   alone_until_s_ = 0;
+  beside_.reset();
   surprises_ = 0;
   is_announced_ = left_holder_ = false;
 }
@@ -226,18 +227,23 @@ void BallTrack::accept(const BallObservation& sighting, const RobotTracks& robot
     return;
   }
   const double age_s = sighting.t_s - event_s_;
+  // Floors differ in how the ball bounces, so the fit ends when the ball lands.
+  constexpr double kBefore_s = 1e-3;
+  if (phase_ == Phase::kFlying && is_kick_) {
+    const double lands_s = chip_.t_s + chip_.lands_after_s() - kBefore_s;
+    if (sighting.t_s > lands_s || age_s >= kKickLasts_s) {
+      flight_ = flight_at(std::min(sighting.t_s, lands_s));
+      is_kick_ = false;
+    }
+  }
   if (phase_ == Phase::kFree) correct(sighting);
   if (is_kick_ && age_s < kKickLasts_s) {
     add_point(sighting);
     fit_shot();
   }
-  if (phase_ == Phase::kFlying && is_kick_ && age_s >= kKickLasts_s) {
-    flight_ = flight_at(sighting.t_s);
-    is_kick_ = false;
-  }
   if (phase_ == Phase::kFlying && !is_kick_) {
     flight_.correct(point_of(sighting), model_);
-    if (flight_.is_over || flight_.is_doubtful()) {
+    if (flight_.is_over || flight_.is_doubtful() || flight_.is_impossible(model_)) {
       const Vector2d velocity = flight_.state.segment<2>(3);
       roll(sighting, velocity, false, velocity.norm());
       flat_.cov.diagonal().segment<2>(2).setConstant(4e4);
@@ -262,6 +268,11 @@ void BallTrack::may_be_held(const BallObservation& sighting, const RobotTracks& 
   constexpr double kRobots_mm_s = 6000;
   if (near && near->distance_mm > kNearMm)
     alone_until_s_ = sighting.t_s + (near->distance_mm - kNearMm) / (kRobots_mm_s + flat_.velocity().norm());
+  constexpr double kBesideMm = 135;
+  beside_.reset();
+  if (near && near->distance_mm < kBesideMm)
+    beside_ = {near->robot.name,
+               turned_by(flat_.place() - near->robot.place_mm, -near->robot.orientation_rad)};
   if (!near || near->distance_mm >= kNearMm || near->from_front_rad >= kFrontRad) {
     held_count_ = 0;
     return;
@@ -301,6 +312,11 @@ BallFlight BallTrack::flight_at(double t_s) const {
 bool BallTrack::is_in_the_air(double t_s) const {
   constexpr double kInTheAirMm = 60;
   return phase_ == Phase::kFlying && chip_.at(t_s, model_).place_mm.z() > model_.radius_mm + kInTheAirMm;
+}
+
+bool BallTrack::bounces(double t_s) const {
+  constexpr double kFast_mm_s = 700;
+  return phase_ == Phase::kFlying && std::abs(chip_.at(t_s, model_).velocity_mm_s.z()) > kFast_mm_s;
 }
 
 void BallTrack::fly(const BallFlight& flight) {
@@ -406,7 +422,7 @@ void BallTrack::fit_shot() {
 TrackedBall BallTrack::at(double t_s, const RobotTracks& robots) const {
   constexpr double kShown_s = 0.8;
   TrackedBall out;
-  const Branch* branch = reappears(t_s);
+  const Branch* branch = reappears(t_s, robots);
   BallState ball{};
   if (branch && where_it_reappears(*branch, t_s, ball)) {
     constexpr double kUnsure = 0.5;
@@ -434,10 +450,15 @@ TrackedBall BallTrack::at(double t_s, const RobotTracks& robots) const {
     place = then.place();
     velocity = then.velocity();
     constexpr double kHidden_s = 0.03;
+    const auto hides = beside_ && t_s - seen_s_ > kHidden_s ? robots.at(beside_->robot, t_s) : std::nullopt;
+    if (hides) {
+      place = hides->place_mm + turned_by(beside_->offset_mm, hides->orientation_rad);
+      velocity = hides->velocity_mm_s + left_of(place - hides->place_mm) * hides->turn_rad_s;
+    }
     const Vector2d from = flat_.place(), way = unit_of(place - from);
     const double length = (place - from).norm();
     for (const auto& [name, track] : robots.tracks) {
-      if (t_s - seen_s_ <= kHidden_s) break;
+      if (hides || t_s - seen_s_ <= kHidden_s) break;
       const auto robot = robots.at(name, t_s);
       if (!robot || (from - robot->place_mm).norm() <= kNearlyMm + 0.5) continue;
       // Assume that an unseen ball has stopped at a robot in its path.

@@ -45,10 +45,13 @@ class BallTrack {
   int sightings() const { return sightings_; }
   /// Whether at most a third of these measurements had a large innovation.
   bool is_steady() const { return 3 * surprises_ <= sightings_; }
+  bool has_no_surprises() const { return surprises_ == 0; }
   /// Time of the last measurement that showed the ball moving.
   double moved_s() const { return moved_s_; }
   /// Whether the ball is well above the floor.
   bool is_in_the_air(double t_s) const;
+  /// Whether the ball is flying so fast up or down that it bounces, or has just bounced.
+  bool bounces(double t_s) const;
   /// Whether the ball was unseen for so long that it may be anywhere.
   bool is_gone(double t_s) const;
   /// Whether the ball is faster than any legal ball.
@@ -116,7 +119,7 @@ class BallTrack {
   Saw explain(const Branch& branch, const RobotTracks& robots);
   void turn_in_the_air(const Branch& branch, double event_s);
   void forget_branches();
-  const Branch* reappears(double t_s) const;
+  const Branch* reappears(double t_s, const RobotTracks& robots) const;
   bool where_it_reappears(const Branch& branch, double t_s, BallState& out) const;
   void begin_kick(const TrackedRobot& robot, const Eigen::Vector2d& velocity_mm_s, bool is_new);
   void fly(const BallFlight& flight);
@@ -140,6 +143,12 @@ class BallTrack {
   Eigen::Vector2d held_mm_{0, 0};  // offset from the holder's centre: ahead, left
   double held_var_mm2_ = 0;        // variance of the ball's shaking at the holder
   BallObservation held_seen_{};
+  /// The robot that a free ball was next to, and where, seen from the robot: ahead, left.
+  struct Beside {
+    RobotName robot;
+    Eigen::Vector2d offset_mm;
+  };
+  std::optional<Beside> beside_;
   bool is_announced_ = false;  // a kick was announced from one measurement
   int held_count_ = 0;
   double alone_until_s_ = 0;  // no robot can hold the ball before this time

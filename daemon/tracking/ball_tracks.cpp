@@ -130,6 +130,16 @@ void BallTracks::choose_ball(double t_s, const RobotTracks& robots) {
     const BallTrack &shown = balls_[first].track, &other = balls_[i].track;
     if (t_s - other.seen_s() > kLately_s) continue;
     const double unseen_s = other.seen_s() - shown.seen_s();
+    // Somebody put the ball elsewhere: it appears there when it disappears here.
+    constexpr double kAtOnce_s = 0.25, kOverlap_s = 0.02, kUsual_s = 0.08, kStays_s = 0.04;
+    constexpr int kSteady = 5;
+    const double appeared_s = balls_[i].began_s - shown.seen_s();
+    if (!balls_[i].is_past && appeared_s > -kOverlap_s && appeared_s < kAtOnce_s && unseen_s > kUnseen_s &&
+        t_s - balls_[i].began_s > std::max(kStays_s, 2 * (appeared_s - kUsual_s)) && lies(other, t_s) &&
+        other.has_no_surprises() && other.sightings() >= kSteady) {
+      first = i;
+      continue;
+    }
     const bool is_near = balls_[i].is_past || (unseen_s > kLately_s && reaches(shown, other));
     if (!is_sure(other, t_s, !is_near)) continue;
     // A stationary ball elsewhere is not the hidden ball.
@@ -201,8 +211,9 @@ void BallTracks::look_for_balls(const std::vector<BallObservation>& seen, const 
       }
       const Vector2d velocity = (now.place_mm - first->place_mm) / (now.t_s - first->t_s);
       if ((first->place_mm + velocity * (middle->t_s - first->t_s) - middle->place_mm).norm() < kStraightMm) {
-        balls_.push_back(
-            {BallTrack(model_, now, velocity, static_cast<int>(count) + 1), ++numbers_, false, t_s});
+        const Ball found{BallTrack(model_, now, velocity, static_cast<int>(count) + 1), ++numbers_, false,
+                         t_s};
+        balls_.push_back(found);
         unexplained_.clear();
         continue;
       }

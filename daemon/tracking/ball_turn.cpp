@@ -203,8 +203,8 @@ BallTrack::Saw BallTrack::explain(const Branch& branch, const RobotTracks& robot
     if (const auto holder = robots.at(holder_, event.t_s))
       near = RobotTracks::Nearest{*holder, (event.place_mm - holder->place_mm).norm(), 0};
   }
-  // No kicker reaches a ball in the air.
-  const bool is_high = is_in_the_air(event.t_s);
+  // No kicker reaches a ball in the air; a ball that bounces goes on flying.
+  const bool is_high = is_in_the_air(event.t_s) || bounces(event.t_s);
   bool is_kick = false;
   constexpr double kReachMm = 150, kFront_rad = 0.8, kKicks_mm_s = 400, kAhead_rad = 0.4,
                    kHeldAhead_rad = 1.2, kKeeps = 0.6;
@@ -279,15 +279,21 @@ void BallTrack::turn_in_the_air(const Branch& branch, double event_s) {
 }
 
 /// The newest branch that may be the hidden ball, before its new trajectory is known; null if there is none.
-const BallTrack::Branch* BallTrack::reappears(double t_s) const {
+const BallTrack::Branch* BallTrack::reappears(double t_s, const RobotTracks& robots) const {
   constexpr double kHidden_s = 0.02, kLong_s = 0.5, kLately_s = 0.06;
   const Branch* out = nullptr;
   for (const Branch& branch : branches_) {
     if (branch.count == 0 || branch.lies()) continue;
     const double last_s = branch.last().t_s;
     if ((last_s - seen_s_ < kHidden_s && !is_announced_) || t_s - last_s > kLately_s) continue;
-    // After a long gap, a single measurement is just as likely to be clutter.
-    if (last_s - seen_s_ > kLong_s && branch.count < 2) continue;
+    // After a long gap, or far from the robot that hides the ball, a single measurement is just as likely to
+    // be clutter.
+    constexpr double kFarMm = 700;
+    const auto hides = branch.count < 2 && beside_ && phase_ != Phase::kFlying
+                           ? robots.at(beside_->robot, last_s)
+                           : std::nullopt;
+    const bool is_far = hides && (branch.last().place_mm - hides->place_mm).norm() > kFarMm;
+    if ((last_s - seen_s_ > kLong_s || is_far) && branch.count < 2) continue;
     if (!out || last_s > out->last().t_s) out = &branch;
   }
   return out;

@@ -6,6 +6,7 @@
 #include "tracking/kick_fit.h"
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -117,6 +118,43 @@ TEST_F(KickFit, FindsNoBallInTheAirThatSlidesOrRolls) {
       const auto points = seen({100, {500, -300}, {speed, 0.4 * speed, 0}}, 30);
       EXPECT_FALSE(find_flight(std::span(points).first(count), model_)) << speed << " " << count;
     }
+  }
+}
+
+/// Floors differ in how the ball bounces.
+TEST_F(KickFit, AFlightGoesOnAfterABounceThatWasNotForeseen) {
+  const BallShot shot{100, {500, -300}, {3000, -600, 2800}};
+  const auto points = seen(shot, 60);
+  BallFlight flight;
+  for (const ShotPoint& point : points) {
+    if (point.t_s > shot.t_s + 0.2 && flight.t_s == 0) {
+      const BallState then = shot.at(point.t_s, model_);
+      flight.t_s = point.t_s;
+      flight.state << then.place_mm, then.velocity_mm_s;
+      flight.cov.diagonal() << 400, 400, 400, 1e4, 1e4, 1e4;
+    }
+  }
+  BallModel steel = model_;  // floor of another kind
+  steel.first_hop_xy = 0.45;
+  steel.hops_z = 0.55;
+  const double lands_s = shot.t_s + shot.lands_after_s();
+  for (double t_s = flight.t_s; t_s < lands_s + 0.25; t_s += 0.0067) {
+    const BallState ball = shot.at(t_s, steel);
+    const Eigen::Vector3d camera(-2000, 500, 5000);
+    const double farther = (camera.z() - model_.radius_mm) / (camera.z() - ball.place_mm.z());
+    const Eigen::Vector2d place = camera.head<2>() + (ball.place_mm.head<2>() - camera.head<2>()) * farther;
+    flight.correct({t_s, camera, place, 0.3, 0, std::numeric_limits<double>::infinity()}, model_);
+    EXPECT_FALSE(flight.is_over) << t_s - lands_s;
+    if (t_s < lands_s + 0.1) continue;
+    EXPECT_LT((flight.state.head<3>() - ball.place_mm).norm(), 60) << t_s - lands_s;
+  }
+}
+
+TEST_F(KickFit, FindsNoFlightThatNoRobotCanStart) {
+  for (const Eigen::Vector3d& velocity_mm_s :
+       {Eigen::Vector3d(400, 200, 5500), Eigen::Vector3d(6000, 2000, 5000)}) {
+    const auto points = seen({100, {500, -300}, velocity_mm_s, 100}, 30);
+    EXPECT_FALSE(find_flight(points, model_)) << velocity_mm_s.transpose();
   }
 }
 

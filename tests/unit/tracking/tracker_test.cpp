@@ -509,6 +509,73 @@ TEST(Tracker, ABallRecoversFromNonFiniteMeasurements) {
   }
 }
 
+/// A ball and a robot, seen by one camera.
+class OneBall : public OneRobot {
+ protected:
+  void see_ball(std::optional<Eigen::Vector2d> ball_mm, std::optional<double> robot_x_mm = {}) {
+    Observations seen;
+    if (robot_x_mm) {
+      seen.robots.push_back(
+          {kName, 0, t_s_, 2e-5, {*robot_x_mm, 0}, 0, Eigen::Matrix2d::Identity() * 0.01, 1e-3});
+    }
+    if (ball_mm)
+      seen.balls.push_back(
+          {t_s_, {0, 0, 4000}, *ball_mm, 0.5, 21.5, std::numeric_limits<double>::infinity()});
+    tracker_.add(seen);
+    t_s_ += 0.0125;
+  }
+};
+
+TEST_F(OneBall, ThatWasPutElsewhereIsThereWithinATenthOfASecond) {
+  for (int i = 0; i < 80; ++i) see_ball(Eigen::Vector2d(500, 100));
+  const double put_s = t_s_;
+  double told_s = 0;
+  for (int i = 0; i < 40 && told_s == 0; ++i) {
+    see_ball(Eigen::Vector2d(-2500, 1800));
+    if (tracker_.ball(t_s_)->place_mm.x() < -2400) told_s = t_s_;
+  }
+  EXPECT_GT(told_s, 0);
+  EXPECT_LT(told_s - put_s, 0.1);
+}
+
+TEST_F(OneBall, StaysWithTheRobotThatHidesIt) {
+  for (int i = 0; i < 80; ++i) see_ball(Eigen::Vector2d(1110, 20), 1000);
+  double x_mm = 1000;
+  for (int i = 0; i < 24; ++i) see_ball({}, x_mm += 0.25 * i);
+  const auto ball = tracker_.ball(t_s_);
+  ASSERT_TRUE(ball);
+  EXPECT_NEAR(ball->place_mm.x(), x_mm + 110, 20) << "the robot has moved to " << x_mm;
+  // Something orange far away, for one image, is not the ball.
+  see_ball(Eigen::Vector2d(-2000, 500), x_mm);
+  EXPECT_NEAR(tracker_.ball(t_s_)->place_mm.x(), x_mm + 110, 40);
+}
+
+TEST_F(OneRobot, ThatStartsAndStopsSuddenlyIsFollowed) {
+  // A square wave of acceleration, with measurements 1.3 mm off.
+  halls::Chance chance(3, "sudden");
+  double x_mm = 0, v_mm_s = 0, worst_mm = 0, a_mm_s2 = 3000;
+  for (int i = 0; i < 1200; ++i) {
+    if (i % 40 == 0) a_mm_s2 = -a_mm_s2;
+    for (int part = 0; part < 10; ++part) {
+      v_mm_s += a_mm_s2 * 0.00125;
+      x_mm += v_mm_s * 0.00125;
+    }
+    if (i > 400 && now()) worst_mm = std::max(worst_mm, std::abs(now()->place_mm.x() - x_mm));
+    Observations seen;
+    seen.robots.push_back({kName,
+                           0,
+                           t_s_,
+                           2e-5,
+                           {x_mm + 1.3 * chance.normal(), 1.3 * chance.normal()},
+                           0,
+                           Eigen::Matrix2d::Identity(),
+                           1e-3});
+    tracker_.add(seen);
+    t_s_ += 0.0125;
+  }
+  EXPECT_LT(worst_mm, 12);
+}
+
 TEST_F(OneRobot, IsShownOnceItWasSeenTwice) {
   see(0);
   EXPECT_FALSE(now()) << "it may have been misread";
