@@ -67,6 +67,12 @@ const std::vector<Scenario>& scenarios() {
       {"a robot's id seen twice", [](WorldOptions& world) { world.has_twin = true; }},
       {"a ball on a robot", [](WorldOptions& world) { world.has_ball_on_robot = true; }},
       {"hands and shirts", [](WorldOptions& world) { world.hands_share = 0.5; }},
+      {"uneven images",
+       [](WorldOptions& world) {
+         world.uneven_sigma_s = 2.5e-3;
+         world.jitter_sigma_s = 0.02e-3;
+       }},
+      {"cameras see 20 mm too far out", [](WorldOptions& world) { world.outwards_mm = 20; }},
       {"other kickers",
        [](WorldOptions& world) {
          world.kick_takes_s = 6e-3;
@@ -180,6 +186,12 @@ std::vector<Row> rows() {
       {"kick's speed after 100 ms, rms (mm/s)", "other kickers", rms_of("kick speed at 100 ms"), 25},
       {"chip's landing after 200 ms, p50 (mm)", "other kickers", share_of("chip landing at 200 ms", 0.5),
        100},
+      {"robot velocity, rms (mm/s)", "uneven images", rms_of("robot velocity"), 30},
+      {"ball sliding, p99 (mm)", "uneven images", share_of("ball sliding", 0.99), 10},
+      {"ball more than 300 mm off while seen (%)", "uneven images",
+       percent("ball off while seen (s)", "ball seen (s)"), 0.1},
+      {"robot's place, p50 (mm)", "cameras see 20 mm too far out", share_of("robot place", 0.5), 20},
+      {"robot's place, p99 (mm)", "cameras see 20 mm too far out", share_of("robot place", 0.99), 28},
       {"robot velocity, p50 (mm/s)", "a camera dies", share_of("robot velocity", 0.5), 9},
       {"robot velocity, rms (mm/s)", "a camera dies", rms_of("robot velocity"), 40},
       {"images in which a robot that is not seen is shown as seen", "a camera dies",

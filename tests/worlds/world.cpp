@@ -461,6 +461,7 @@ Vector2d World::bias_of(const WorldCamera& camera, const Vector2d& place_mm, boo
   // A third of the bias cannot be modelled by a quadratic.
   const double wave = 0.35 * (of_robots ? options_.robot_bias_mm : options_.floor_bias_mm);
   const double u = terms[1], v = terms[2], phase = camera.center_mm.x();
+  out += options_.outwards_mm * (place_mm - camera.center_mm.head<2>()).stableNormalized();
   return out + wave * Vector2d(std::sin(2.2 * u + 1.3 * v + phase), std::sin(1.7 * u - 2.1 * v + phase));
 }
 
@@ -476,7 +477,9 @@ void World::look() {
     const double rate_hz = options_.rate_hz * (1 + chance_.uniform(-3e-5, 3e-5));
     Stray stray;
     for (long number = 0;; ++number) {
-      const double t_s = first_s + static_cast<double>(number) / rate_hz;
+      double t_s = first_s + static_cast<double>(number) / rate_hz;
+      if (options_.uneven_sigma_s > 0)
+        t_s += std::clamp(options_.uneven_sigma_s * chance_.normal(), -0.4 / rate_hz, 0.4 / rate_hz);
       if (t_s > options_.duration_s) break;
       see(static_cast<int>(i), number, t_s, stray);
     }

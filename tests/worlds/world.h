@@ -23,7 +23,9 @@ struct WorldOptions {
   double latency_s = 0.015, latency_spread_s = 0.002;  // from exposure to the measurements
   double clock_offset_sigma_s = 0.4e-3;                // of each camera's timestamps
   double jitter_sigma_s = 0.2e-3;                      // of each timestamp
+  double uneven_sigma_s = 0;                           // of the true times of the images
   double floor_bias_mm = 1, robot_bias_mm = 2.5;       // rms of the calibration errors
+  double outwards_mm = 0;                              // each camera sees everything so much too far out
   double ball_size_sigma_px = 0.08;
   double drop_share = 0.02;           // fraction of missing measurements
   double false_ball_share = 0.02;     // fraction of images with a false ball
