@@ -50,6 +50,7 @@ class CameraAgreement {
 
   /// Notes how far the camera's times are evened out (see Evenness::share()).
   void set_evenness(int camera, double share);
+  /// How far the camera's times are evened out; 0 if it is unknown.
   double evenness_of(int camera) const;
 
   /// Compares the measurement with other cameras' measurements since this camera's previous image.
