@@ -193,7 +193,9 @@ bool CameraAgreement::compare(const Pair& pair, const Track& track) {
   // of the cameras.
   double common_mm = 0;
   for (const auto& [name, one] : tracks_) common_mm += states_[one.at] / static_cast<double>(tracks_.size());
-  note_difference(pair, apart - higher * (states_[track.at] - common_mm) + pair.velocity_mm_s * ahead_s);
+  const Vector2d at_once = apart + pair.velocity_mm_s * ahead_s;
+  note_difference(pair, at_once - higher * (states_[track.at] - common_mm), at_once,
+                  higher * states_[track.at]);
   // Interpolation error if the robot accelerated between the two images.
   constexpr double kAcceleration_mm_s2 = 4000;
   const double swerves_mm = kAcceleration_mm_s2 * pair.passed_s * pair.passed_s / 8;
@@ -261,7 +263,8 @@ void CameraAgreement::begin_again() {
   repaired_ = repaired;
 }
 
-void CameraAgreement::note_difference(const Pair& pair, const Vector2d& off_mm) {
+void CameraAgreement::note_difference(const Pair& pair, const Vector2d& off_mm, const Vector2d& apart_mm,
+                                      const Vector2d& of_height_mm) {
   // Enough for a field of 16 x 16 m. Other computers' cameras use at most half of these parts.
   constexpr std::size_t kMaxParts = 1024;
   constexpr double kRemembers = 100;  // samples
@@ -288,9 +291,10 @@ void CameraAgreement::note_difference(const Pair& pair, const Vector2d& off_mm) 
   const Vector2d here = (pair.place_a_mm + pair.place_b_mm) / 2;
   overlap.parts.extend(here);
   // The estimates are from earlier comparisons, so this one can tell whether they are of use.
-  const Vector2d estimate = estimate_of(cameras_.at(pair.a), here) - estimate_of(cameras_.at(pair.b), here);
-  overlap.corrected_mm2 += kForgets * ((off_mm - estimate).squaredNorm() - overlap.corrected_mm2);
-  overlap.uncorrected_mm2 += kForgets * (off_mm.squaredNorm() - overlap.uncorrected_mm2);
+  const Vector2d corrected = apart_mm - of_height_mm - estimate_of(cameras_.at(pair.a), here) +
+                             estimate_of(cameras_.at(pair.b), here);
+  overlap.corrected_mm2 += kForgets * (corrected.squaredNorm() - overlap.corrected_mm2);
+  overlap.uncorrected_mm2 += kForgets * (apart_mm.squaredNorm() - overlap.uncorrected_mm2);
   const double differs_mm = one.off_mm.norm();
   overlap.differs_mm =
       std::max(differs_mm, overlap.differs_mm + kForgets * (differs_mm - overlap.differs_mm));

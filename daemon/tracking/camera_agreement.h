@@ -137,7 +137,10 @@ class CameraAgreement {
   bool compare(const Pair& pair, const Track& track);
   void keep_own();
   void begin_again();
-  void note_difference(const Pair& pair, const Eigen::Vector2d& off_mm);
+  /// `off_mm`: without the effects of robots' different heights; `of_height_mm`: the robot's height's effect
+  /// on `apart_mm`.
+  void note_difference(const Pair& pair, const Eigen::Vector2d& off_mm, const Eigen::Vector2d& apart_mm,
+                       const Eigen::Vector2d& of_height_mm);
   Eigen::Vector2d estimate_of(const Camera& camera, const Eigen::Vector2d& place_mm) const;
 
   std::map<int, Camera> cameras_;
