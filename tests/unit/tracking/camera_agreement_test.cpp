@@ -222,7 +222,9 @@ class ManyCameras : public testing::Test {
   static Vector2d place(int robot, double t_s) {
     return {900 * std::sin(0.7 * t_s + robot), 1500 * std::sin(0.31 * t_s + 2 * robot)};
   }
-  static Vector3d center(int camera) { return {camera % 2 == 0 ? -1500.0 : 1500.0, 400.0 * (camera % 8), 4000}; }
+  static Vector3d center(int camera) {
+    return {camera % 2 == 0 ? -1500.0 : 1500.0, 400.0 * (camera % 8), 4000};
+  }
 
   CameraAgreement played(const std::vector<Camera>& cameras, double seconds = 60) const {
     CameraAgreement agreement;
