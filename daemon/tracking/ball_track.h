@@ -50,8 +50,6 @@ class BallTrack {
   double moved_s() const { return moved_s_; }
   /// Whether the ball is well above the floor.
   bool is_in_the_air(double t_s) const;
-  /// Whether the ball is flying so fast up or down that it bounces, or has just bounced.
-  bool bounces(double t_s) const;
   /// Whether the ball was unseen for so long that it may be anywhere.
   bool is_gone(double t_s) const;
   /// Whether the ball is faster than any legal ball.
@@ -118,6 +116,8 @@ class BallTrack {
   void follow(const Branch& branch);
   Saw explain(const Branch& branch, const RobotTracks& robots);
   void turn_in_the_air(const Branch& branch, double event_s);
+  /// Whether the ball is flying so fast up or down that it bounces, or has just bounced.
+  bool bounces(double t_s) const;
   void forget_branches();
   const Branch* reappears(double t_s, const RobotTracks& robots) const;
   bool where_it_reappears(const Branch& branch, double t_s, BallState& out) const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "geometry/limits.h"
 #include "geometry/scene.h"
 #include "tracking/frame_clock.h"
 #include "tracking/sightings.h"
@@ -61,7 +62,12 @@ class Clocks {
   void process(const Params&, const CameraSightings& seen, ImageTime& out) noexcept {
     out = {};
     if (!seen.is_taken) return;
+    // Other computers may send any number of ids.
+    if (cameras_.size() >= limits::kMaxCameras && !cameras_.contains(seen.camera))
+      cameras_.erase(
+          std::ranges::min_element(cameras_, {}, [](const auto& one) { return one.second.seen_s; }));
     Camera& camera = cameras_[seen.camera];
+    camera.seen_s = seen.t_capture_s;
     const double even_s = camera.clock.time_of(seen.t_capture_s), jitter_s = camera.clock.jitter_s();
     camera.evenness.add(seen, even_s, jitter_s);
     const double share = camera.evenness.share();
@@ -73,6 +79,7 @@ class Clocks {
 
  private:
   struct Camera {
+    double seen_s = 0;
     FrameClock clock;
     Evenness evenness;
   };

@@ -68,6 +68,28 @@ TEST(Clocks, EvenOutLargeJitterOnceRobotsConfirmIt) {
   EXPECT_GT(last.evenness, 0.9);
 }
 
+TEST(Clocks, ForgetTheCameraThatIsSilentForLongest) {
+  Clocks clocks;
+  ImageTime time;
+  error_s({2e-3, 0}, clocks, time);
+  double t_s = 1e9 + 30;
+  const auto see = [&](int camera) {
+    CameraSightings seen;
+    seen.camera = camera;
+    seen.t_capture_s = t_s += 1e-3;
+    clocks.process({}, seen, time);
+    return time.evenness;
+  };
+  const double learnt = see(0);
+  EXPECT_LT(learnt, 0.5);
+  for (int id = 100; id < 200; ++id) {
+    see(id);
+    ASSERT_LT(see(0), 0.5) << "it still sends";
+  }
+  for (int id = 200; id < 300; ++id) see(id);
+  EXPECT_GT(see(0), 0.5) << "it is new again";
+}
+
 TEST(Clocks, KnowHowUncertainTheyAre) {
   for (const Camera& camera : {Camera{0, 0.3e-3}, Camera{2e-3, 0}, Camera{1e-3, 0.5e-3}}) {
     Clocks clocks;
